@@ -1,0 +1,1 @@
+//! Programs: blocks, dialects, the reader.

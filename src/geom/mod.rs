@@ -1,0 +1,22 @@
+//! Points, poses, boxes, clouds and meshes: what every other room builds on.
+
+mod aabb;
+mod cloud;
+mod mesh;
+mod sections;
+mod surface;
+
+pub use aabb::Aabb;
+pub use cloud::PointCloud;
+pub use mesh::TriMesh;
+pub use sections::SectionGrid;
+pub use surface::Surface;
+
+/// A point in space [mm].
+pub type Point3 = nalgebra::Point3<f64>;
+/// A direction or displacement [mm].
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// A 3 x 3 matrix, mostly of a rotation.
+pub type Matrix3 = nalgebra::Matrix3<f64>;
+/// A rigid motion; name it `a_from_b`.
+pub type Pose = nalgebra::Isometry3<f64>;

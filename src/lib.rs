@@ -1,0 +1,25 @@
+//! horma: from a scanned part to a lathe program.
+//!
+//! The walk of the data, and the modules in the order they may name each other (each knows only
+//! those before it):
+//!
+//! 1. [`progress`]: how long work reports and is stopped.
+//! 2. [`geom`]: poses, boxes, clouds, meshes, the search tree.
+//! 3. [`tool`]: what cuts: profiles of revolution and their height functions.
+//! 4. [`machine`]: what moves: axes, limits and clamping as data, and the kinematics they make.
+//! 5. [`cam`]: trajectories, virtual digitizing, the toolpath with its feeds.
+//! 6. [`gcode`]: the toolpath as a program of blocks, and back.
+//! 7. [`workflow`]: one pure function per job.
+//! 8. [`io`]: files in and out.
+//!
+//! Inside, lengths are millimetres and angles radians, all `f64`; metres, degrees and seconds per
+//! minute live only in files, flags and reports.
+
+pub mod cam;
+pub mod gcode;
+pub mod geom;
+pub mod io;
+pub mod machine;
+pub mod progress;
+pub mod tool;
+pub mod workflow;

@@ -1,0 +1,36 @@
+//! Tools: convex profiles of revolution and what is known of the cutter around them.
+
+mod profile;
+
+pub use profile::Profile;
+
+/// A cutter as the tool library lists it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tool {
+    /// Its place in the tool changer: the T word.
+    pub number: u32,
+    /// The name it is called by.
+    pub name: String,
+    /// The shape that cuts.
+    pub profile: Profile,
+    /// Length from the spindle nose to the programmed point [mm].
+    pub length: f64,
+    /// Spindle speed [rpm].
+    pub speed_rpm: f64,
+    /// Which way it turns.
+    pub turns: Turns,
+    /// Cutting feed at the contact [mm/s].
+    pub feed: f64,
+    /// Feed of a plunge into the material [mm/s].
+    pub plunge_feed: f64,
+}
+
+/// Which way a cutter's spindle turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Turns {
+    /// M3.
+    Clockwise,
+    /// M4.
+    CounterClockwise,
+}
