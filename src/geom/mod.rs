@@ -5,12 +5,15 @@ mod cloud;
 mod mesh;
 mod sections;
 mod surface;
+mod tree;
 
 pub use aabb::Aabb;
 pub use cloud::PointCloud;
 pub use mesh::TriMesh;
 pub use sections::SectionGrid;
 pub use surface::Surface;
+pub use tree::PatchTree;
+pub(crate) use tree::{Child, Node};
 
 /// A point in space [mm].
 pub type Point3 = nalgebra::Point3<f64>;

@@ -1,8 +1,14 @@
 //! Tools: convex profiles of revolution and what is known of the cutter around them.
 
+mod height;
+mod mill;
 mod profile;
+mod wheel;
 
-pub use profile::Profile;
+pub use height::{HeightFunction, Jet, Reach, Tangent};
+pub use mill::Mill;
+pub use profile::{Profile, Shape};
+pub use wheel::Wheel;
 
 /// A cutter as the tool library lists it.
 #[derive(Debug, Clone, PartialEq)]

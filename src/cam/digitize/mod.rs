@@ -1,0 +1,121 @@
+//! Virtual digitizing: where the tool stops when it comes down on the part.
+//!
+//! For every position of a trajectory the part is turned under the tool, and the first point to
+//! touch sets the height (Morell 2014, section 4.4, algorithm 3). On triangles that point is found
+//! exactly ([`touch`]): facet, edge or vertex. On a cloud it is one of its points: the thesis' mode.
+//!
+//! Two ways give the same contacts, bit for bit: [`exhaustive`] tries every primitive and is the
+//! reference; [`indexed`] descends a tree best-first from the last contact. The rules that make it
+//! so: an edge is evaluated from its lexicographically smaller end; the greatest height wins, then
+//! the lowest primitive number; in one triangle facet before edge before vertex; bounds are rounded
+//! up and only what is strictly below the best is dropped.
+
+mod bound;
+mod exhaustive;
+mod indexed;
+mod part;
+mod touch;
+mod view;
+
+pub use part::Part;
+pub use touch::ContactKind;
+
+use crate::geom::{Point3, Pose, Vector3};
+use crate::progress::{Cancelled, Progress};
+use crate::tool::{HeightFunction, Shape};
+use rayon::prelude::*;
+use view::View;
+
+/// Positions one thread takes at a time; the search of each starts from the one before.
+const CHUNK: usize = 512;
+
+/// Where the tool touches the part at one position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Motion of the attack axis, part to tool, at which it touches [mm].
+    pub height: f64,
+    /// The point of the part that is touched, in the part frame [mm].
+    pub point: Point3,
+    /// The part's unit normal there, in the part frame.
+    pub normal: Vector3,
+    /// Number of the triangle or point touched.
+    pub primitive: u32,
+    /// What of it is touched.
+    pub kind: ContactKind,
+}
+
+/// How the first point to touch is found; the answers are the same.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// By a search tree.
+    #[default]
+    Indexed,
+    /// By trying every primitive: the reference, slow.
+    Exhaustive,
+}
+
+/// A part, a tool and a method: what it takes to find contacts.
+#[derive(Debug, Clone, Copy)]
+pub struct Digitizer<'a> {
+    /// What is touched.
+    pub part: &'a Part,
+    /// What touches.
+    pub shape: Shape,
+    /// How the contact is found.
+    pub method: Method,
+}
+
+impl Digitizer<'_> {
+    /// The contact at each of `n_positions` positions; `None` where the tool meets nothing.
+    ///
+    /// `attack_from_part(i)` is the pose of the part under the tool at position `i`, the attack
+    /// axis at motion 0. Positions that follow each other should lie close together; that decides
+    /// the time, never the answer. All threads of the current pool work; their number changes no
+    /// bit.
+    pub fn run(
+        &self,
+        n_positions: usize,
+        attack_from_part: impl Fn(usize) -> Pose + Sync,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Option<Contact>>, Cancelled> {
+        progress.start("digitizing", n_positions as u64);
+        match &self.shape {
+            Shape::Wheel(wheel) => self.fill(wheel, n_positions, attack_from_part, progress),
+            Shape::Mill(mill) => self.fill(mill, n_positions, attack_from_part, progress),
+        }
+    }
+
+    fn fill<H: HeightFunction>(
+        &self,
+        tool: &H,
+        n_positions: usize,
+        attack_from_part: impl Fn(usize) -> Pose + Sync,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Option<Contact>>, Cancelled> {
+        let mut contacts = vec![None; n_positions];
+        contacts.par_chunks_mut(CHUNK).enumerate().try_for_each(|(i_chunk, chunk)| {
+            let mut start = 0;
+            for (i, slot) in chunk.iter_mut().enumerate() {
+                let view = View::new(&attack_from_part(i_chunk * CHUNK + i));
+                let found = match self.method {
+                    Method::Indexed => indexed::drop(self.part, tool, &view, &mut start),
+                    Method::Exhaustive => exhaustive::drop(self.part, tool, &view),
+                };
+                *slot = found.map(|found| found.contact(self.part, tool, &view));
+            }
+            progress.advance(chunk.len() as u64)
+        })?;
+        Ok(contacts)
+    }
+}
