@@ -13,7 +13,7 @@ pub use mesh::TriMesh;
 pub use sections::SectionGrid;
 pub use surface::Surface;
 pub use tree::PatchTree;
-pub(crate) use tree::{Child, Node};
+pub(crate) use tree::{Child, Lanes, Node};
 
 /// A point in space [mm].
 pub type Point3 = nalgebra::Point3<f64>;

@@ -1,69 +1,68 @@
 //! A search tree over small primitives (triangles or points), eight children to a node.
 //!
 //! Every child is wrapped in an oriented box whose thin side looks along the mean normal of what it
-//! holds, so that a plane's greatest value over it is its value at the centre plus three products,
-//! tight to second order in the child's size (DESIGN section 3). Boxes are kept in `f32`, rounded
-//! outwards; the primitives themselves stay in `f64` with whoever asks.
+//! holds, so that what a tool can reach over it is bounded to second order in the child's size
+//! (DESIGN section 3). Boxes are kept in `f32`, rounded outwards; the primitives themselves stay in
+//! `f64`, in their own order, with whoever asks.
 
 use super::{Aabb, Matrix3, Point3, Vector3};
 use nalgebra::SymmetricEigen;
 use rayon::prelude::*;
-use wide::f32x8;
 
-/// Primitives in one leaf, at most.
-const LEAF: usize = 2;
+/// Children of a node, bounded side by side.
+pub(crate) const WIDTH: usize = 8;
+/// One number for each child.
+pub(crate) type Lanes = [f32; WIDTH];
 /// Below this many primitives a subtree is built by one thread.
 const SERIAL: usize = 4096;
-/// A box half-side in `f32` grows by this share, and by this share of the centre's distance: more
-/// than the rounding of centre and sides together (2^-24 each, three coordinates).
+/// A half-side grows by this share of itself, of its neighbours and of the centre's distance: more
+/// than the rounding to `f32` of all of them together (2^-24 each, three coordinates).
 const ROUND_OUT: f64 = 5e-7;
 
-/// The tree: its nodes, and the order in which its leaves list the primitives.
+/// The tree, by its nodes.
 #[derive(Debug, Clone)]
 pub struct PatchTree {
-    /// Nodes; the first is the root.
+    /// The first is the root.
     pub(crate) nodes: Vec<Node>,
-    /// Primitive at each place of leaf order.
-    pub(crate) order: Vec<u32>,
     /// Boxes are relative to this point.
     pub(crate) origin: Point3,
-    /// No coordinate of any box reaches farther from `origin` than this [mm].
+    /// No point of any box lies farther from `origin` than this [mm].
     pub(crate) extent: f64,
 }
 
 /// Eight children side by side; lanes without a child have a radius of minus infinity.
 #[derive(Debug, Clone)]
+#[repr(align(32))]
 pub(crate) struct Node {
     /// Box centres, x, y and z.
-    pub(crate) center: [f32x8; 3],
-    /// Three half-sides of the boxes, each x, y and z.
-    pub(crate) half_sides: [[f32x8; 3]; 3],
+    pub(crate) center: [Lanes; 3],
+    /// Three half-sides of the boxes, each x, y and z; the last is the thin one.
+    pub(crate) sides: [[Lanes; 3]; 3],
     /// Radii of the balls about the centres that hold the boxes.
-    pub(crate) radius: f32x8,
+    pub(crate) radius: Lanes,
     /// What each lane leads to.
-    pub(crate) children: [Child; 8],
+    pub(crate) children: [Child; WIDTH],
 }
 
 /// Where a lane of a node leads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Child {
-    /// Index of a node, or of the first primitive in leaf order.
-    pub(crate) index: u32,
-    /// Primitives in the leaf; 0 marks an inner node.
-    pub(crate) n_primitives: u32,
+pub(crate) enum Child {
+    /// A node, by its place among the nodes.
+    Node(u32),
+    /// A primitive, by its number.
+    Primitive(u32),
 }
 
 impl PatchTree {
     /// A tree over `primitives`, each given by its corners. The same input gives the same tree,
     /// whatever the number of threads.
     pub fn build<const N: usize>(primitives: &[[Point3; N]]) -> Self {
-        let corners = primitives.iter().flatten();
-        let aabb = Aabb::around(corners);
+        let aabb = Aabb::around(primitives.iter().flatten());
         let origin = if aabb.is_empty() { Point3::origin() } else { aabb.center() };
         let builder = Builder { primitives, origin };
-        let mut order: Vec<u32> = (0..primitives.len() as u32).collect();
-        let nodes = builder.subtree(&mut order, 0);
-        Self { nodes, order, origin, extent: aabb.size().norm() / 2.0 }
+        let mut numbers: Vec<u32> = (0..primitives.len() as u32).collect();
+        let nodes = builder.subtree(&mut numbers);
+        Self { nodes, origin, extent: aabb.size().norm() / 2.0 }
     }
 }
 
@@ -73,35 +72,29 @@ struct Builder<'a, const N: usize> {
 }
 
 impl<const N: usize> Builder<'_, N> {
-    /// Nodes over `order`, root first, child indices relative to the slice; `first` is where
-    /// `order` starts in leaf order.
-    fn subtree(&self, order: &mut [u32], first: usize) -> Vec<Node> {
-        let groups = self.split(order);
+    /// Nodes over `group`, root first, child indices relative to the slice.
+    fn subtree(&self, group: &mut [u32]) -> Vec<Node> {
+        let is_small = group.len() < SERIAL;
         let mut node = Node::EMPTY;
         let mut jobs = Vec::new();
-        let mut start = first;
-        for (lane, group) in groups.into_iter().filter(|group| !group.is_empty()).enumerate() {
+        let groups = self.split(group).into_iter().filter(|group| !group.is_empty());
+        for (lane, group) in groups.enumerate() {
             node.set_box(lane, &self.oriented_box(group));
-            let n_primitives = group.len();
-            if n_primitives <= LEAF {
-                let n = n_primitives as u32;
-                node.children[lane] = Child { index: start as u32, n_primitives: n };
-            } else {
-                jobs.push((lane, start, group));
+            match *group {
+                [primitive] => node.children[lane] = Child::Primitive(primitive),
+                _ => jobs.push((lane, group)),
             }
-            start += n_primitives;
         }
-        let build =
-            |(lane, start, group): (usize, usize, &mut [u32])| (lane, self.subtree(group, start));
-        let subtrees: Vec<(usize, Vec<Node>)> = if SERIAL < start - first {
-            jobs.into_par_iter().map(build).collect()
-        } else {
+        let build = |(lane, group): (usize, &mut [u32])| (lane, self.subtree(group));
+        let subtrees: Vec<(usize, Vec<Node>)> = if is_small {
             jobs.into_iter().map(build).collect()
+        } else {
+            jobs.into_par_iter().map(build).collect()
         };
         let mut nodes = vec![node];
         for (lane, mut subtree) in subtrees {
             let offset = nodes.len() as u32;
-            nodes[0].children[lane] = Child { index: offset, n_primitives: 0 };
+            nodes[0].children[lane] = Child::Node(offset);
             for node in &mut subtree {
                 node.shift(offset);
             }
@@ -110,23 +103,29 @@ impl<const N: usize> Builder<'_, N> {
         nodes
     }
 
-    /// Eight groups of near equal size, by three rounds of halving along the longest side.
-    fn split<'o>(&self, order: &'o mut [u32]) -> Vec<&'o mut [u32]> {
-        let mut groups = vec![order];
+    /// At most eight groups by three rounds of halving along the longest side, so that all but the
+    /// last few subtrees are full: half-empty nodes cost as much as full ones.
+    fn split<'o>(&self, group: &'o mut [u32]) -> Vec<&'o mut [u32]> {
+        let mut full = 1;
+        while WIDTH * full < group.len() {
+            full *= WIDTH;
+        }
+        let mut groups = vec![group];
         for _ in 0..3 {
-            groups = groups.into_iter().flat_map(|group| self.halve(group)).collect();
+            groups = groups.into_iter().flat_map(|group| self.halve(group, full)).collect();
         }
         groups
     }
 
-    fn halve<'o>(&self, group: &'o mut [u32]) -> [&'o mut [u32]; 2] {
-        if group.len() <= LEAF {
+    /// Two groups, the first a multiple of `full` primitives.
+    fn halve<'o>(&self, group: &'o mut [u32], full: usize) -> [&'o mut [u32]; 2] {
+        if group.len() <= full {
             return [group, &mut []];
         }
         let centers = group.iter().map(|&i| self.center(i));
         let aabb = centers.fold(Aabb::EMPTY, |aabb, center| aabb.with(&center));
         let axis = aabb.size().imax();
-        let middle = (group.len() / 2).next_multiple_of(LEAF).min(group.len() - 1);
+        let middle = group.len().div_ceil(full) / 2 * full;
         // The primitive's number decides between equal centres: the tree must not depend on luck.
         group.select_nth_unstable_by(middle, |&a, &b| {
             self.center(a)[axis].total_cmp(&self.center(b)[axis]).then(a.cmp(&b))
@@ -141,22 +140,29 @@ impl<const N: usize> Builder<'_, N> {
 
     /// The box around `group` along its principal directions.
     fn oriented_box(&self, group: &[u32]) -> OrientedBox {
-        let corners = || group.iter().flat_map(|&i| &self.primitives[i as usize]);
-        let n = (group.len() * N) as f64;
-        let mean: Vector3 = corners().map(|p| p - self.origin).sum::<Vector3>() / n;
+        let corners =
+            || group.iter().flat_map(|&i| &self.primitives[i as usize]).map(|p| p - self.origin);
+        let mean = corners().sum::<Vector3>() / (group.len() * N) as f64;
         let mut spread = Matrix3::zeros();
-        for corner in corners() {
-            let out = corner - self.origin - mean;
+        for out in corners().map(|corner| corner - mean) {
             spread += out * out.transpose();
         }
-        let axes = SymmetricEigen::try_new(spread, f64::EPSILON, 64)
-            .map_or_else(Matrix3::identity, |eigen| eigen.eigenvectors);
-        let mut aabb = Aabb::EMPTY;
-        for corner in corners() {
-            aabb = aabb.with(&axes.tr_mul(&(corner - self.origin)).into());
-        }
+        let axes = patch_axes(&spread);
+        let along = corners().map(|corner| Point3::from(axes.tr_mul(&corner)));
+        let aabb = along.fold(Aabb::EMPTY, |aabb, corner| aabb.with(&corner));
         OrientedBox { center: axes * aabb.center().coords, axes, half: aabb.size() / 2.0 }
     }
+}
+
+/// The thinnest direction of `spread` last; the first along x as far as that allows, since x is
+/// what tools and machines are aligned with.
+fn patch_axes(spread: &Matrix3) -> Matrix3 {
+    let eigen = SymmetricEigen::try_new(*spread, f64::EPSILON, 64);
+    let normal: Vector3 = eigen
+        .map_or(Vector3::z(), |eigen| eigen.eigenvectors.column(eigen.eigenvalues.imin()).into());
+    let seed = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let along = (seed - normal * normal.dot(&seed)).normalize();
+    Matrix3::from_columns(&[along, normal.cross(&along), normal])
 }
 
 /// A box by its centre, the directions of its sides (columns) and half their lengths.
@@ -168,28 +174,30 @@ struct OrientedBox {
 
 impl Node {
     const EMPTY: Self = Self {
-        center: [f32x8::ZERO; 3],
-        half_sides: [[f32x8::ZERO; 3]; 3],
-        radius: f32x8::new([f32::NEG_INFINITY; 8]),
-        children: [Child { index: 0, n_primitives: 0 }; 8],
+        center: [[0.0; WIDTH]; 3],
+        sides: [[[0.0; WIDTH]; 3]; 3],
+        radius: [f32::NEG_INFINITY; WIDTH],
+        children: [Child::Primitive(0); WIDTH],
     };
 
     fn set_box(&mut self, lane: usize, oriented: &OrientedBox) {
         let grow = ROUND_OUT * (oriented.center.norm() + oriented.half.norm());
         let half = oriented.half.add_scalar(grow);
+        let set = |slot: &mut Lanes, value: f64| slot[lane] = value as f32;
         for axis in 0..3 {
-            self.center[axis].as_mut_array()[lane] = oriented.center[axis] as f32;
+            set(&mut self.center[axis], oriented.center[axis]);
             for side in 0..3 {
-                let reach = oriented.axes[(axis, side)] * half[side];
-                self.half_sides[side][axis].as_mut_array()[lane] = reach as f32;
+                set(&mut self.sides[side][axis], oriented.axes[(axis, side)] * half[side]);
             }
         }
-        self.radius.as_mut_array()[lane] = (half.norm() * (1.0 + ROUND_OUT)) as f32;
+        set(&mut self.radius, half.norm() * (1.0 + ROUND_OUT));
     }
 
     fn shift(&mut self, offset: u32) {
-        for child in self.children.iter_mut().filter(|child| child.n_primitives == 0) {
-            child.index += offset;
+        for child in &mut self.children {
+            if let Child::Node(index) = child {
+                *index += offset;
+            }
         }
     }
 }

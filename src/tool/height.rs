@@ -6,7 +6,7 @@
 //! of the x-z plane, because the tool is convex (DESIGN section 3).
 
 use crate::geom::Vector3;
-use wide::f32x8;
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 /// The height function `u` of a convex tool.
 pub trait HeightFunction: Sync {
@@ -28,15 +28,21 @@ pub trait HeightFunction: Sync {
     /// The part's unit normal at a contact at `(x, z)`: the inward normal of the tool there.
     fn normal_at(&self, x: f64, z: f64) -> Vector3;
 
-    /// A plane above `u` everywhere, touching it at a point of the shadow near `(x, z)`: eight at
+    /// Planes above `u` everywhere, touching it at points of the shadow near `(x, z)`: eight at
     /// once, for the bounds of the search tree.
-    fn tangent(&self, x: f32x8, z: f32x8) -> Tangent;
+    fn tangent<S: Simd>(&self, simd: S, x: f32x8<S>, z: f32x8<S>) -> Tangent<S>;
 
     /// Lanes whose disc of `radius` about `(x, z)` lies wholly outside the shadow.
-    fn passes_by(&self, x: f32x8, z: f32x8, radius: f32x8) -> f32x8;
+    fn passes_by<S: Simd>(
+        &self,
+        simd: S,
+        x: f32x8<S>,
+        z: f32x8<S>,
+        radius: f32x8<S>,
+    ) -> mask32x8<S>;
 
-    /// The greatest slope (sum of both directions) a [`tangent`](Self::tangent) can have.
-    fn steepest_tangent(&self) -> f64;
+    /// The greatest `[kx, kz]` known for which `u + kx x^2 / 2 + kz z^2 / 2` is still concave.
+    fn least_bend(&self) -> [f64; 2];
 
     /// Half the width of the shadow along x and along z, and the greatest height [mm].
     fn reach(&self) -> Reach;
@@ -66,15 +72,15 @@ pub struct Reach {
 
 /// Eight planes `u = value + slope_x (x - x0) + slope_z (z - z0)`.
 #[derive(Debug, Clone, Copy)]
-pub struct Tangent {
+pub struct Tangent<S: Simd> {
     /// Where the planes touch the height function, along x [mm].
-    pub x0: f32x8,
+    pub x0: f32x8<S>,
     /// Where the planes touch the height function, along z [mm].
-    pub z0: f32x8,
+    pub z0: f32x8<S>,
     /// The height there [mm].
-    pub value: f32x8,
+    pub value: f32x8<S>,
     /// The slope along x.
-    pub slope_x: f32x8,
+    pub slope_x: f32x8<S>,
     /// The slope along z.
-    pub slope_z: f32x8,
+    pub slope_z: f32x8<S>,
 }

@@ -6,10 +6,10 @@
 use super::height::{HeightFunction, Jet, Reach, Tangent};
 use super::wheel::disc_chord;
 use crate::geom::Vector3;
-use wide::f32x8;
+use fearless_simd::{f32x8, mask32x8, prelude::*};
 
 /// Tangent planes touch arcs no farther out than this share of their radius: the slope stays finite.
-const TANGENT_SHARE: f64 = 0.85;
+const TANGENT_SHARE: f32 = 0.9;
 
 /// An end mill by the pieces of its height function `u(rho)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +63,7 @@ impl Mill {
     }
 
     /// `u`, `u'` and `u''` at a distance from the axis.
+    #[inline(always)]
     fn profile(&self, rho: f64) -> Jet {
         match &self.flank {
             Some(flank) if flank.to < rho => flank.rim.jet(rho),
@@ -73,15 +74,10 @@ impl Mill {
             _ => self.corner.jet(rho),
         }
     }
-
-    /// How far from the axis tangent planes may touch.
-    fn tangent_limit(&self) -> f64 {
-        let outer = self.flank.map_or(self.corner, |flank| flank.rim);
-        outer.center + TANGENT_SHARE * outer.radius
-    }
 }
 
 impl Arc {
+    #[inline(always)]
     fn jet(&self, rho: f64) -> Jet {
         let out = rho - self.center;
         if out <= 0.0 {
@@ -95,14 +91,16 @@ impl Arc {
 }
 
 impl HeightFunction for Mill {
+    #[inline(always)]
     fn height(&self, x: f64, z: f64) -> Option<f64> {
-        let rho = x.hypot(z);
+        let rho = (x * x + z * z).sqrt();
         (rho <= self.radius).then(|| self.profile(rho).value)
     }
 
+    #[inline(always)]
     fn along(&self, x: f64, z: f64, dx: f64, dz: f64) -> Jet {
-        let rho = x.hypot(z);
-        let speed = dx.hypot(dz);
+        let rho = (x * x + z * z).sqrt();
+        let speed = (dx * dx + dz * dz).sqrt();
         let at = self.profile(rho.min(self.radius));
         if at.slope == 0.0 {
             return Jet { value: at.value, slope: 0.0, bend: at.bend * speed * speed };
@@ -114,6 +112,7 @@ impl HeightFunction for Mill {
         Jet { value: at.value, slope: at.slope * outwards, bend }
     }
 
+    #[inline(always)]
     fn clip(&self, x: f64, z: f64, dx: f64, dz: f64) -> Option<[f64; 2]> {
         let [from, to] = disc_chord(x, z, dx, dz, self.radius)?;
         let (from, to) = (from.max(0.0), to.min(1.0));
@@ -121,8 +120,9 @@ impl HeightFunction for Mill {
     }
 
     // A level plane is touched at the axis; a plane as steep as the flank at the flank's lower end.
+    #[inline(always)]
     fn support(&self, normal: &Vector3) -> Vector3 {
-        let level = normal.x.hypot(normal.z);
+        let level = (normal.x * normal.x + normal.z * normal.z).sqrt();
         if level == 0.0 {
             return Vector3::new(0.0, -self.profile(0.0).value, 0.0);
         }
@@ -136,7 +136,7 @@ impl HeightFunction for Mill {
     }
 
     fn normal_at(&self, x: f64, z: f64) -> Vector3 {
-        let rho = x.hypot(z);
+        let rho = (x * x + z * z).sqrt();
         let slope = self.profile(rho.min(self.radius)).slope;
         if rho == 0.0 || slope == 0.0 {
             return Vector3::y();
@@ -149,24 +149,24 @@ impl HeightFunction for Mill {
         }
     }
 
-    fn tangent(&self, x: f32x8, z: f32x8) -> Tangent {
+    #[inline(always)]
+    fn tangent<S: Simd>(&self, simd: S, x: f32x8<S>, z: f32x8<S>) -> Tangent<S> {
+        let splat = |value: f64| f32x8::splat(simd, value as f32);
         let rho = (x * x + z * z).sqrt();
-        let at = rho.min(f32x8::splat(self.tangent_limit() as f32));
-        let (mut value, mut slope) = self.corner.tangent(at);
+        let outer = self.flank.map_or(self.corner, |flank| flank.rim);
+        let at = rho.min((outer.center + f64::from(TANGENT_SHARE) * outer.radius) as f32);
+        let (mut value, mut slope) = self.corner.tangent(simd, at);
         if let Some(flank) = &self.flank {
-            let straight = at.simd_gt(f32x8::splat(flank.from as f32));
-            let line = (f32x8::splat(flank.from as f32) - at) * flank.slope as f32;
-            value = straight.select(line + flank.at as f32, value);
-            slope = straight.select(f32x8::splat(-flank.slope as f32), slope);
-            if 0.0 < flank.rim.radius {
-                let outer = at.simd_gt(f32x8::splat(flank.to as f32));
-                let (rim_value, rim_slope) = flank.rim.tangent(at);
-                value = outer.select(rim_value, value);
-                slope = outer.select(rim_slope, slope);
-            }
+            let straight = at.simd_gt(flank.from as f32);
+            let line = (splat(flank.from) - at) * flank.slope as f32 + flank.at as f32;
+            value = straight.select(line, value);
+            slope = straight.select(splat(-flank.slope), slope);
+            let outer = at.simd_gt(flank.to as f32);
+            let (rim_value, rim_slope) = flank.rim.tangent(simd, at);
+            value = outer.select(rim_value, value);
+            slope = outer.select(rim_slope, slope);
         }
-        let on_axis = rho.simd_le(f32x8::ZERO);
-        let per_rho = on_axis.select(f32x8::ZERO, f32x8::ONE / rho);
+        let per_rho = rho.simd_gt(0.0).select(splat(1.0) / rho, splat(0.0));
         let (along_x, along_z) = (x * per_rho, z * per_rho);
         Tangent {
             x0: along_x * at,
@@ -177,16 +177,22 @@ impl HeightFunction for Mill {
         }
     }
 
-    fn passes_by(&self, x: f32x8, z: f32x8, radius: f32x8) -> f32x8 {
-        let reach = (radius + self.radius as f32).max(f32x8::ZERO);
-        let outside = (x * x + z * z).simd_gt(reach * reach);
-        outside | f32x8::ZERO.simd_gt(radius)
+    #[inline(always)]
+    fn passes_by<S: Simd>(
+        &self,
+        _simd: S,
+        x: f32x8<S>,
+        z: f32x8<S>,
+        radius: f32x8<S>,
+    ) -> mask32x8<S> {
+        let reach = (radius + self.radius as f32).max(0.0);
+        (x * x + z * z).simd_gt(reach * reach) | radius.simd_lt(0.0)
     }
 
-    fn steepest_tangent(&self) -> f64 {
-        let arc = TANGENT_SHARE / (1.0 - TANGENT_SHARE * TANGENT_SHARE).sqrt();
-        let flank = self.flank.map_or(0.0, |flank| flank.slope);
-        arc.max(flank) * std::f64::consts::SQRT_2
+    // Only a ball bends everywhere.
+    fn least_bend(&self) -> [f64; 2] {
+        let is_ball = self.corner.center == 0.0 && self.flank.is_none();
+        [if is_ball { 1.0 / self.corner.radius } else { 0.0 }; 2]
     }
 
     fn reach(&self) -> Reach {
@@ -196,12 +202,13 @@ impl HeightFunction for Mill {
 
 impl Arc {
     /// Value and slope at eight distances from the axis.
-    fn tangent(&self, rho: f32x8) -> (f32x8, f32x8) {
-        let limit = f32x8::splat((TANGENT_SHARE * self.radius) as f32);
-        let out = (rho - self.center as f32).max(f32x8::ZERO).min(limit);
-        let height = (f32x8::splat((self.radius * self.radius) as f32) - out * out).sqrt();
-        let level = out.simd_le(f32x8::ZERO);
-        let slope = level.select(f32x8::ZERO, -out / height);
+    #[inline(always)]
+    fn tangent<S: Simd>(&self, simd: S, rho: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+        let limit = TANGENT_SHARE * self.radius as f32;
+        let out = (rho - self.center as f32).max(0.0).min(limit);
+        let radius = f32x8::splat(simd, self.radius as f32);
+        let height = (radius * radius - out * out).sqrt();
+        let slope = out.simd_gt(0.0).select(-out / height, f32x8::splat(simd, 0.0));
         (height - self.rise as f32, slope)
     }
 }

@@ -4,10 +4,10 @@
 
 use super::height::{HeightFunction, Jet, Reach, Tangent};
 use crate::geom::Vector3;
-use wide::f32x8;
+use fearless_simd::{f32x8, mask32x8, prelude::*};
 
 /// Tangent planes touch no farther out than this share of the shadow: the slope stays finite.
-const TANGENT_SHARE: f32 = 0.85;
+const TANGENT_SHARE: f32 = 0.9;
 
 /// A torus wheel by the radii of its height function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +19,7 @@ pub struct Wheel {
 }
 
 impl HeightFunction for Wheel {
+    #[inline(always)]
     fn height(&self, x: f64, z: f64) -> Option<f64> {
         let nose = self.minor * self.minor - x * x;
         if nose < 0.0 {
@@ -30,6 +31,7 @@ impl HeightFunction for Wheel {
     }
 
     // With w^2 = r^2 - x^2, A = R + w and u^2 = A^2 - z^2, each derived twice along the line.
+    #[inline(always)]
     fn along(&self, x: f64, z: f64, dx: f64, dz: f64) -> Jet {
         let nose = (self.minor * self.minor - x * x).max(0.0).sqrt();
         let radius = self.major + nose;
@@ -46,6 +48,7 @@ impl HeightFunction for Wheel {
     }
 
     // The shadow is a capsule: all within r of the segment x = 0, |z| <= R.
+    #[inline(always)]
     fn clip(&self, x: f64, z: f64, dx: f64, dz: f64) -> Option<[f64; 2]> {
         let mut inside = Span::EMPTY;
         for end in [-self.major, self.major] {
@@ -56,8 +59,9 @@ impl HeightFunction for Wheel {
         inside.within_unit()
     }
 
+    #[inline(always)]
     fn support(&self, normal: &Vector3) -> Vector3 {
-        let turned = normal.y.hypot(normal.z);
+        let turned = (normal.y * normal.y + normal.z * normal.z).sqrt();
         let radial = self.minor + self.major / turned;
         -Vector3::new(self.minor * normal.x, radial * normal.y, radial * normal.z)
     }
@@ -71,30 +75,39 @@ impl HeightFunction for Wheel {
         -outward.try_normalize(0.0).unwrap_or(-Vector3::y())
     }
 
-    fn tangent(&self, x: f32x8, z: f32x8) -> Tangent {
-        let (major, minor) = (f32x8::splat(self.major as f32), f32x8::splat(self.minor as f32));
+    #[inline(always)]
+    fn tangent<S: Simd>(&self, simd: S, x: f32x8<S>, z: f32x8<S>) -> Tangent<S> {
+        let (major, minor) = (self.major as f32, self.minor as f32);
         let x_limit = minor * TANGENT_SHARE;
         let x0 = x.max(-x_limit).min(x_limit);
-        let nose = (minor * minor - x0 * x0).sqrt();
-        let radius = major + nose;
+        let nose = (f32x8::splat(simd, minor * minor) - x0 * x0).sqrt();
+        let radius = nose + major;
         let z_limit = radius * TANGENT_SHARE;
         let z0 = z.max(-z_limit).min(z_limit);
         let value = (radius * radius - z0 * z0).sqrt();
-        let per_value = f32x8::ONE / value;
-        let slope_x = -(radius * x0) / nose * per_value;
-        Tangent { x0, z0, value, slope_x, slope_z: -z0 * per_value }
+        // One division for both slopes.
+        let share = f32x8::splat(simd, 1.0) / (nose * value);
+        Tangent { x0, z0, value, slope_x: -radius * x0 * share, slope_z: -z0 * nose * share }
     }
 
-    fn passes_by(&self, x: f32x8, z: f32x8, radius: f32x8) -> f32x8 {
+    #[inline(always)]
+    fn passes_by<S: Simd>(
+        &self,
+        _simd: S,
+        x: f32x8<S>,
+        z: f32x8<S>,
+        radius: f32x8<S>,
+    ) -> mask32x8<S> {
         let x_gap = x.abs() - radius - self.minor as f32;
         let z_gap = z.abs() - radius - (self.major + self.minor) as f32;
-        x_gap.max(z_gap).simd_gt(f32x8::ZERO)
+        x_gap.max(z_gap).simd_gt(0.0)
     }
 
-    fn steepest_tangent(&self) -> f64 {
-        let share = f64::from(TANGENT_SHARE);
-        let steep = share / (1.0 - share * share).sqrt();
-        steep + steep / (1.0 - share * share).sqrt()
+    // With A, w as in `along` the quadratic form of the second derivatives in (a, b) is
+    // -(z A' a - A b)^2 / u^3 - (A / u) (r^2 / w^3) a^2. Adding a^2 / r + b^2 / (R + r) and taking
+    // the worst b leaves at most ((r^2 - w^2) / (w^2 A) - (r^3 - w^3) / (w^3 r)) a^2 <= 0, as w <= A.
+    fn least_bend(&self) -> [f64; 2] {
+        [1.0 / self.minor, 1.0 / (self.major + self.minor)]
     }
 
     fn reach(&self) -> Reach {
@@ -120,12 +133,14 @@ impl Span {
     }
 }
 
+#[inline(always)]
 fn meet(a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
     let (from, to) = (a[0].max(b[0]), a[1].min(b[1]));
     (from <= to).then_some([from, to])
 }
 
 /// Where `|at + s step| <= limit`.
+#[inline(always)]
 fn slab(at: f64, step: f64, limit: f64) -> Option<[f64; 2]> {
     if step == 0.0 {
         return (at.abs() <= limit).then_some([f64::NEG_INFINITY, f64::INFINITY]);
@@ -135,6 +150,7 @@ fn slab(at: f64, step: f64, limit: f64) -> Option<[f64; 2]> {
 }
 
 /// Where the line `(x + s dx, z + s dz)` runs inside the disc of `radius` about the origin.
+#[inline(always)]
 pub(super) fn disc_chord(x: f64, z: f64, dx: f64, dz: f64, radius: f64) -> Option<[f64; 2]> {
     let speed = dx * dx + dz * dz;
     if speed == 0.0 {

@@ -9,20 +9,21 @@ use crate::geom::Point3;
 use crate::tool::HeightFunction;
 
 /// The highest touch of all primitives.
+#[inline(always)]
 pub(super) fn drop(part: &Part, tool: &impl HeightFunction, view: &View) -> Option<Found> {
     let mut best = None;
     match &part.primitives {
         Primitives::Triangles(facets) => {
-            for (place, facet) in facets.iter().enumerate() {
+            for (primitive, facet) in facets.iter().enumerate() {
                 if may_touch(tool, view, &facet.corners, best.as_ref()) {
-                    part.try_place(tool, view, place as u32, &mut best);
+                    part.try_one(tool, view, primitive as u32, &mut best);
                 }
             }
         }
         Primitives::Points(points) => {
-            for (place, point) in points.iter().enumerate() {
+            for (primitive, point) in points.iter().enumerate() {
                 if may_touch(tool, view, &[*point], best.as_ref()) {
-                    part.try_place(tool, view, place as u32, &mut best);
+                    part.try_one(tool, view, primitive as u32, &mut best);
                 }
             }
         }
@@ -30,7 +31,7 @@ pub(super) fn drop(part: &Part, tool: &impl HeightFunction, view: &View) -> Opti
     best
 }
 
-#[inline]
+#[inline(always)]
 fn may_touch<const N: usize>(
     tool: &impl HeightFunction,
     view: &View,

@@ -3,52 +3,61 @@
 use super::bound::Bounds;
 use super::part::{Found, Part};
 use super::view::View;
-use crate::geom::Child;
+use crate::geom::{Child, Vector3};
 use crate::tool::HeightFunction;
+use fearless_simd::Simd;
 
 /// Branches that can wait at once: seven siblings on each of more levels than a tree of 2^32
 /// primitives has.
-const DEEPEST: usize = 7 * 16;
+const DEEPEST: usize = 7 * 11;
 
-/// The highest touch of all primitives. The search starts from the primitive at `start` in leaf
-/// order, wherever that lies, and leaves the one it found there.
-pub(super) fn drop(
+/// The highest touch of all primitives. The search starts from primitive `start`, wherever that
+/// lies, and leaves the one it found there.
+#[inline(always)]
+pub(super) fn drop<S: Simd>(
+    simd: S,
     part: &Part,
     tool: &impl HeightFunction,
     view: &View,
     start: &mut u32,
 ) -> Option<Found> {
-    let mut best = None;
     if part.n_primitives() == 0 {
         return None;
     }
-    part.try_place(tool, view, *start, &mut best);
-    let bounds = Bounds::new(tool, view, &part.tree);
-    let mut waiting = Vec::with_capacity(DEEPEST);
-    let root = Child { index: 0, n_primitives: 0 };
-    waiting.push((f32::INFINITY, root));
-    while let Some((bound, child)) = waiting.pop() {
+    let mut best = None;
+    part.try_one(tool, view, *start, &mut best);
+    let near = best.map_or_else(Vector3::zeros, |best: Found| best.touch.at);
+    let bounds = Bounds::new(simd, tool, view, &part.tree, &near);
+    let mut waiting = [(f32::INFINITY, Child::Node(0)); DEEPEST];
+    let mut n_waiting = 1;
+    while n_waiting > 0 {
+        n_waiting -= 1;
+        let (bound, child) = waiting[n_waiting];
         if is_below(bound, best.as_ref()) {
             continue;
         }
-        if child.n_primitives > 0 {
-            for place in child.index..child.index + child.n_primitives {
-                part.try_place(tool, view, place, &mut best);
+        match child {
+            Child::Primitive(primitive) => part.try_one(tool, view, primitive, &mut best),
+            Child::Node(index) => {
+                let node = &part.tree.nodes[index as usize];
+                let first = n_waiting;
+                for (bound, &child) in bounds.of(node).into_iter().zip(&node.children) {
+                    if bound > f32::NEG_INFINITY && !is_below(bound, best.as_ref()) {
+                        // Sorted in: the last is taken first, the most promising of the siblings.
+                        let mut place = n_waiting;
+                        while first < place && bound < waiting[place - 1].0 {
+                            waiting[place] = waiting[place - 1];
+                            place -= 1;
+                        }
+                        waiting[place] = (bound, child);
+                        n_waiting += 1;
+                    }
+                }
             }
-            continue;
         }
-        let node = &part.tree.nodes[child.index as usize];
-        let first = waiting.len();
-        for (bound, &child) in bounds.of(node).into_iter().zip(&node.children) {
-            if bound > f32::NEG_INFINITY && !is_below(bound, best.as_ref()) {
-                waiting.push((bound, child));
-            }
-        }
-        // The last is taken first: the most promising of the siblings.
-        waiting[first..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     }
     if let Some(best) = &best {
-        *start = best.place;
+        *start = best.primitive;
     }
     best
 }

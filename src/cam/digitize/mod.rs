@@ -23,6 +23,7 @@ pub use touch::ContactKind;
 use crate::geom::{Point3, Pose, Vector3};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::{HeightFunction, Shape};
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use view::View;
 
@@ -105,17 +106,31 @@ impl Digitizer<'_> {
     ) -> Result<Vec<Option<Contact>>, Cancelled> {
         let mut contacts = vec![None; n_positions];
         contacts.par_chunks_mut(CHUNK).enumerate().try_for_each(|(i_chunk, chunk)| {
-            let mut start = 0;
-            for (i, slot) in chunk.iter_mut().enumerate() {
-                let view = View::new(&attack_from_part(i_chunk * CHUNK + i));
-                let found = match self.method {
-                    Method::Indexed => indexed::drop(self.part, tool, &view, &mut start),
-                    Method::Exhaustive => exhaustive::drop(self.part, tool, &view),
-                };
-                *slot = found.map(|found| found.contact(self.part, tool, &view));
-            }
+            let poses = |i: usize| attack_from_part(i_chunk * CHUNK + i);
+            dispatch!(Level::new(), simd => self.fill_chunk(simd, tool, chunk, poses));
             progress.advance(chunk.len() as u64)
         })?;
         Ok(contacts)
+    }
+
+    /// Inlined with all it calls, so that it is compiled for each level of vector instructions.
+    /// Their width changes no bit of a contact: it only serves to bound.
+    #[inline(always)]
+    fn fill_chunk<S: Simd>(
+        &self,
+        simd: S,
+        tool: &impl HeightFunction,
+        chunk: &mut [Option<Contact>],
+        attack_from_part: impl Fn(usize) -> Pose,
+    ) {
+        let mut start = 0;
+        for (i, slot) in chunk.iter_mut().enumerate() {
+            let view = View::new(&attack_from_part(i));
+            let found = match self.method {
+                Method::Indexed => indexed::drop(simd, self.part, tool, &view, &mut start),
+                Method::Exhaustive => exhaustive::drop(self.part, tool, &view),
+            };
+            *slot = found.map(|found| found.contact(self.part, tool, &view));
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! A part prepared for digitizing: its primitives in the order of a search tree.
+//! A part prepared for digitizing: its primitives, and the search tree over them.
 
 use super::Contact;
 use super::touch::{self, ContactKind, Facet, Touch};
@@ -13,7 +13,7 @@ pub struct Part {
     pub(super) primitives: Primitives,
 }
 
-/// The primitives in leaf order.
+/// The primitives in the user's order.
 #[derive(Debug, Clone)]
 pub(super) enum Primitives {
     Triangles(Vec<Facet>),
@@ -24,9 +24,7 @@ pub(super) enum Primitives {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub(super) touch: Touch,
-    /// Place in leaf order.
-    pub(super) place: u32,
-    /// The user's number of the primitive.
+    /// Its number.
     pub(super) primitive: u32,
 }
 
@@ -36,7 +34,7 @@ impl Part {
         let corners: Vec<[Point3; 3]> =
             (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let tree = PatchTree::build(&corners);
-        let facets = tree.order.iter().map(|&i| Facet::new(corners[i as usize])).collect();
+        let facets = corners.into_iter().map(Facet::new).collect();
         Self { tree, primitives: Primitives::Triangles(facets) }
     }
 
@@ -44,33 +42,37 @@ impl Part {
     pub fn points(cloud: &PointCloud) -> Self {
         let points: Vec<[Point3; 1]> = cloud.points.iter().map(|&point| [point]).collect();
         let tree = PatchTree::build(&points);
-        let ordered = tree.order.iter().map(|&i| cloud.points[i as usize]).collect();
-        Self { tree, primitives: Primitives::Points(ordered) }
+        Self { tree, primitives: Primitives::Points(cloud.points.clone()) }
     }
 
     /// Number of triangles or points.
     pub fn n_primitives(&self) -> usize {
-        self.tree.order.len()
+        match &self.primitives {
+            Primitives::Triangles(facets) => facets.len(),
+            Primitives::Points(points) => points.len(),
+        }
     }
 
-    /// The better of `best` and what the tool touches at `place` in leaf order.
-    #[inline]
-    pub(super) fn try_place(
+    /// The better of `best` and what the tool touches of `primitive`.
+    #[inline(always)]
+    pub(super) fn try_one(
         &self,
         tool: &impl HeightFunction,
         view: &View,
-        place: u32,
+        primitive: u32,
         best: &mut Option<Found>,
     ) {
         let touch = match &self.primitives {
             Primitives::Triangles(facets) => {
                 let least = best.map_or(f64::NEG_INFINITY, |best| best.touch.height);
-                touch::on_triangle(tool, view, &facets[place as usize], least)
+                touch::on_triangle(tool, view, &facets[primitive as usize], least)
             }
-            Primitives::Points(points) => touch::on_point(tool, view.see(&points[place as usize])),
+            Primitives::Points(points) => {
+                touch::on_point(tool, view.see(&points[primitive as usize]))
+            }
         };
         if let Some(touch) = touch {
-            let found = Found { touch, place, primitive: self.tree.order[place as usize] };
+            let found = Found { touch, primitive };
             if best.is_none_or(|best| best.is_beaten_by(&found)) {
                 *best = Some(found);
             }
@@ -89,7 +91,7 @@ impl Found {
         let Touch { height, at, kind } = self.touch;
         let normal = match (&part.primitives, kind) {
             (Primitives::Triangles(facets), ContactKind::Facet) => {
-                view.facing(&facets[self.place as usize].normal)
+                view.facing(&facets[self.primitive as usize].normal)
             }
             _ => tool.normal_at(at.x, at.z),
         };

@@ -63,12 +63,14 @@ impl Facet {
 
 /// Where the tool touches a single point, if it does not pass it by. Morell (2014), eq. 4.7,
 /// solved for the centre.
+#[inline(always)]
 pub(super) fn on_point(tool: &impl HeightFunction, at: Vector3) -> Option<Touch> {
     let height = at.y + tool.height(at.x, at.z)?;
     Some(Touch { height, at, kind: ContactKind::Point })
 }
 
 /// Where the tool touches `facet`; `None` if it passes by or if that is surely below `least`.
+#[inline(always)]
 pub(super) fn on_triangle(
     tool: &impl HeightFunction,
     view: &View,
@@ -118,6 +120,7 @@ impl Touch {
 }
 
 /// For the sides 0-1, 0-2 and 1-2: does `at`, in the triangle's plane, lie beyond it?
+#[inline(always)]
 fn sides_behind(corners: &[Vector3; 3], normal: &Vector3, at: &Vector3) -> [bool; 3] {
     let drop = normal.iamax();
     let (i, j) = ((drop + 1) % 3, (drop + 2) % 3);
@@ -131,6 +134,7 @@ fn sides_behind(corners: &[Vector3; 3], normal: &Vector3, at: &Vector3) -> [bool
 
 /// Where the tool touches the edge from `p` to `q`: the maximum of a concave function of one
 /// variable on the part of the edge in the tool's shadow, by Newton steps kept between brackets.
+#[inline(always)]
 fn on_edge(tool: &impl HeightFunction, p: &Vector3, q: &Vector3, least: f64) -> Option<Touch> {
     let way = q - p;
     if way.x == 0.0 && way.z == 0.0 {

@@ -20,21 +20,21 @@ impl View {
     }
 
     /// One coordinate of a part point; [`see`](Self::see) gives the same bits.
-    #[inline]
+    #[inline(always)]
     pub(super) fn coordinate(&self, axis: usize, point: &Point3) -> f64 {
         let row = |k| self.rotation[(axis, k)];
         row(0) * point.x + row(1) * point.y + row(2) * point.z + self.shift[axis]
     }
 
     /// A part point in the attack frame.
-    #[inline]
+    #[inline(always)]
     pub(super) fn see(&self, point: &Point3) -> Vector3 {
         Vector3::from_fn(|axis, _| self.coordinate(axis, point))
     }
 
     /// A unit normal of the part in the attack frame, turned so that it faces the tool: soups have
     /// any winding.
-    #[inline]
+    #[inline(always)]
     pub(super) fn facing(&self, normal: &Vector3) -> Vector3 {
         let turned = self.rotation * normal;
         if turned.y < 0.0 { -turned } else { turned }
