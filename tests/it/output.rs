@@ -3,7 +3,7 @@
 use horma::io::{OutputSet, Overwrite, WriteError, write_file};
 use horma::progress::Cancelled;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 #[test]
