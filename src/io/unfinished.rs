@@ -57,9 +57,7 @@ pub(super) fn finish(
     let mut done = Vec::with_capacity(files.len());
     for (i_file, Unfinished { temporary, place, _listed }) in files.into_iter().enumerate() {
         let renamed = match overwrite {
-            Overwrite::Refuse => {
-                temporary.persist_noclobber(&place).map(|()| None).map_err(|error| error.error)
-            }
+            Overwrite::Refuse => rename_new(temporary, &place).map(|()| None),
             // A rename alone is atomic; only several need a way back.
             Overwrite::Replace if alone => {
                 temporary.persist(&place).map(|()| None).map_err(|error| error.error)
@@ -77,6 +75,17 @@ pub(super) fn finish(
         }
     }
     Ok(())
+}
+
+/// Renames to a place where nothing is yet.
+fn rename_new(temporary: TempPath, place: &Path) -> io::Result<()> {
+    match temporary.persist_noclobber(place) {
+        // Some sticks and network folders cannot refuse and rename in one step.
+        Err(refused) if refused.error.kind() != io::ErrorKind::AlreadyExists && !place.exists() => {
+            refused.path.persist(place).map_err(|error| error.error)
+        }
+        renamed => renamed.map_err(|error| error.error),
+    }
 }
 
 /// A second name for the file at `place`, removed when dropped; `None` if there is no file.

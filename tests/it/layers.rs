@@ -177,7 +177,7 @@ fn place_breaches(own: &str, tokens: &[Token]) -> Vec<(usize, String)> {
         match path[0] {
             "wgpu" => unless_in(&["compute", "bin"], line, "names wgpu; that is for compute"),
             "egui" | "eframe" => {
-                unless_in(&["bin"], line, "names the window; that is for the binary")
+                unless_in(&["bin"], line, "names the window; that is for the binary");
             }
             _ => {}
         }

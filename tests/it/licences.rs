@@ -81,10 +81,8 @@ fn malformed_expressions_are_refused() {
 
 fn judge(package: &Package) -> Result<(), String> {
     if let Some(expression) = &package.license {
-        return match is_satisfied(expression)? {
-            true => Ok(()),
-            false => Err(format!("{expression} is not accepted")),
-        };
+        let satisfied = is_satisfied(expression)?;
+        return satisfied.then_some(()).ok_or_else(|| format!("{expression} is not accepted"));
     }
     let version = package.version.to_string();
     let Some((.., licence, line)) =

@@ -112,7 +112,7 @@ fn a_folder_that_does_not_exist_is_named() {
 #[test]
 fn a_full_disk_is_told_with_what_to_do() {
     let full = Path::new("/dev/full");
-    let error = write_file(full, Overwrite::Refuse, |out| out.write_all(&[0; 1 << 20]));
+    let error = write_file(full, Overwrite::Refuse, |out| out.write_all(&vec![0; 1 << 20]));
     assert_eq!(
         error.unwrap_err().to_string(),
         "cannot write \"/dev/full\": No space left on device (os error 28); \
@@ -130,7 +130,7 @@ fn a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
             fs::write(&path, old).unwrap();
         }
         let error = write_file(&path, Overwrite::Replace, |out| {
-            out.write_all(&[b'x'; 1 << 20])?;
+            out.write_all(&vec![b'x'; 1 << 20])?;
             Err(io::ErrorKind::StorageFull.into())
         });
         let told = error.unwrap_err().to_string();

@@ -56,7 +56,7 @@ fn code(error: &anyhow::Error) -> u8 {
     let cancelled = Cancelled.to_string();
     if error.chain().any(|cause| cause.to_string() == cancelled) {
         TRY_AGAIN
-    } else if error.chain().any(|cause| cause.is::<WriteError>()) {
+    } else if error.chain().any(|cause| cause.downcast_ref::<WriteError>().is_some()) {
         CANNOT_WRITE
     } else {
         BAD_INPUT

@@ -188,7 +188,15 @@ mod tests {
                 std::thread::sleep(Duration::from_millis(5));
             };
             self.stderr.read_to_string(&mut self.said).unwrap();
-            (status.code().expect("it ends by itself"), self.said)
+            (status.code().expect("it ends by itself"), std::mem::take(&mut self.said))
+        }
+    }
+
+    /// A test that fails half-way leaves no child behind.
+    impl Drop for Working {
+        fn drop(&mut self) {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::bar::Bar;
 use horma::io::WriteError;
+use serde::Serialize;
 use std::io::{ErrorKind, Write};
 
 /// How to talk to whoever called.
@@ -21,10 +22,7 @@ pub(crate) struct Shell {
 impl Shell {
     /// Gives the work as many threads as the user allows; call it once.
     pub(crate) fn start_threads(&self) -> anyhow::Result<()> {
-        if let Some(n_threads) = self.threads {
-            rayon::ThreadPoolBuilder::new().num_threads(n_threads.into()).build_global()?;
-        }
-        Ok(())
+        Ok(self.pool().build_global()?)
     }
 
     /// Where long work reports to.
@@ -33,14 +31,24 @@ impl Shell {
     }
 
     /// Prints a result: as JSON if asked for, else as `text`; nothing when quiet.
-    pub(crate) fn report(&self, value: &impl serde::Serialize, text: &str) -> anyhow::Result<()> {
-        if self.json {
-            print(&serde_json::to_string_pretty(value)?)
-        } else if self.quiet {
-            Ok(())
-        } else {
-            print(text)
+    pub(crate) fn report(&self, value: &impl Serialize, text: &str) -> anyhow::Result<()> {
+        match self.answer(value, text)? {
+            Some(answer) => print(&answer),
+            None => Ok(()),
         }
+    }
+
+    fn answer(&self, value: &impl Serialize, text: &str) -> anyhow::Result<Option<String>> {
+        if self.json {
+            return Ok(Some(serde_json::to_string_pretty(value)?));
+        }
+        Ok((!self.quiet).then(|| text.to_owned()))
+    }
+
+    /// As many threads as the user allows, or as there are cores.
+    fn pool(&self) -> rayon::ThreadPoolBuilder {
+        let n_threads = self.threads.map_or(0, usize::from);
+        rayon::ThreadPoolBuilder::new().num_threads(n_threads)
     }
 }
 
@@ -53,5 +61,27 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
             Err(WriteError::System { path: "standard output".into(), source: error }.into())
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TALKS: Shell = Shell { json: false, quiet: false, threads: None };
+
+    #[test]
+    fn a_report_is_words_or_json_or_nothing() {
+        let answer = |shell: &Shell| shell.answer(&[1, 2], "one and two").unwrap();
+        assert_eq!(answer(&TALKS).as_deref(), Some("one and two"));
+        assert_eq!(answer(&Shell { quiet: true, ..TALKS }), None);
+        let json = answer(&Shell { json: true, quiet: true, ..TALKS }).unwrap();
+        assert_eq!(serde_json::from_str::<Vec<u32>>(&json).unwrap(), [1, 2]);
+    }
+
+    #[test]
+    fn work_gets_as_many_threads_as_allowed() {
+        let pool = Shell { threads: Some(3), ..TALKS }.pool().build().unwrap();
+        assert_eq!(pool.current_num_threads(), 3);
     }
 }
