@@ -1,5 +1,11 @@
 //! Files in and out.
 
 mod output;
+mod output_set;
+mod target;
+mod unfinished;
 
 pub use output::{Overwrite, WriteError, write_file};
+pub use output_set::OutputSet;
+pub use target::is_standard_output;
+pub use unfinished::abandon_unfinished;

@@ -1,8 +1,13 @@
 //! Output files appear whole or not at all: written beside their place, then renamed into it.
+//!
+//! A link is followed and its target replaced; `-` is standard output; a pipe or a device gets the
+//! bytes as they come, since nothing can take them back. Several files that belong together go
+//! through an [`OutputSet`](super::OutputSet).
 
-use std::io::{BufWriter, Write};
+use super::OutputSet;
+use crate::progress::Cancelled;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// What to do with a file that is already there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +31,12 @@ pub enum WriteError {
         /// The missing folder.
         folder: PathBuf,
     },
+    /// The name of a folder was given where a file is written.
+    #[error("cannot write {path:?}: it is a folder; name a file in it")]
+    IsFolder {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Something is already there.
     #[error("{path:?} exists already; choose another name or overwrite it with --force")]
     Exists {
@@ -33,37 +44,50 @@ pub enum WriteError {
         path: PathBuf,
     },
     /// The system refused: disk full, no permission.
-    #[error("cannot write {path:?}: {source}; nothing was left behind")]
+    #[error("cannot write {path:?}: {source}{}", remedy(source))]
     System {
         /// The file that was to be written.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
     },
+    /// The caller asked to stop while the bytes were being made.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Writes `path` through `fill`: whole, or not at all.
+///
+/// A `fill` that is asked to stop returns `std::io::Error::other(Cancelled)`; that comes back as
+/// [`WriteError::Cancelled`].
 pub fn write_file(
     path: &Path,
     overwrite: Overwrite,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), WriteError> {
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return Err(WriteError::NoFolder { path: path.into(), folder: folder.into() });
+    let mut files = OutputSet::new(overwrite);
+    files.add(path, fill)?;
+    files.commit()
+}
+
+impl WriteError {
+    /// What the system said about `path`, or the request to stop that is wrapped in it.
+    pub(super) fn from_system(path: &Path, source: std::io::Error) -> Self {
+        match source.get_ref().and_then(|inner| inner.downcast_ref::<Cancelled>()) {
+            Some(&cancelled) => Self::Cancelled(cancelled),
+            None => Self::System { path: path.into(), source },
+        }
     }
-    if overwrite == Overwrite::Refuse && path.exists() {
-        return Err(WriteError::Exists { path: path.into() });
+}
+
+fn remedy(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "; make room or write somewhere else"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "; choose a folder you may write in"
+        }
+        _ => "",
     }
-    let system = |source| WriteError::System { path: path.into(), source };
-    let temporary = NamedTempFile::new_in(folder).map_err(system)?;
-    let mut writer = BufWriter::new(temporary);
-    fill(&mut writer).and_then(|()| writer.flush()).map_err(system)?;
-    let temporary = writer.into_inner().map_err(|error| system(error.into_error()))?;
-    temporary.as_file().sync_all().map_err(system)?;
-    temporary.persist(path).map_err(|error| system(error.error))?;
-    Ok(())
 }

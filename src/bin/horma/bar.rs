@@ -1,44 +1,66 @@
-//! Progress as a bar on stderr, and Ctrl-C as a request to stop.
+//! Progress as a bar on stderr, which also carries the request to stop.
 
+use crate::interrupt::{self, Listening};
 use horma::progress::{Cancelled, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::sync::atomic::{AtomicBool, Ordering};
 
-static STOP: AtomicBool = AtomicBool::new(false);
+const TEMPLATE: &str = "{msg:<24} {wide_bar} {percent:>3}% {eta:>4}";
 
-/// One bar, restarted by every stage.
-pub(crate) struct Bar(ProgressBar);
+/// One bar, restarted by every stage; while it lives, Ctrl-C is a request to stop.
+pub(crate) struct Bar {
+    bar: ProgressBar,
+    _listening: Listening,
+}
 
 impl Bar {
-    /// A bar on stderr, or none at all when `quiet`; it also listens for Ctrl-C from now on.
+    /// A bar on stderr, or none at all when `quiet` or when stderr is no terminal.
     pub(crate) fn new(quiet: bool) -> Self {
-        // A second listener is refused by the crate; the first one serves every bar.
-        let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
         let target =
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let style = ProgressStyle::with_template("{msg:<24} {wide_bar} {percent:>3}% {eta:>4}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style =
+            ProgressStyle::with_template(TEMPLATE).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::with_draw_target(Some(0), target);
         bar.set_style(style);
-        Self(bar)
+        Self { bar, _listening: Listening::begin() }
     }
 }
 
 impl Progress for Bar {
     fn start(&self, stage: &str, n_units: u64) {
-        self.0.reset();
-        self.0.set_length(n_units);
-        self.0.set_message(stage.to_owned());
+        self.bar.reset();
+        self.bar.set_length(n_units);
+        self.bar.set_message(stage.to_owned());
     }
 
     fn advance(&self, n_units: u64) -> Result<(), Cancelled> {
-        self.0.inc(n_units);
-        if STOP.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+        self.bar.inc(n_units);
+        if interrupt::requested() { Err(Cancelled) } else { Ok(()) }
     }
 }
 
 impl Drop for Bar {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_template_is_one_the_bar_understands() {
+        assert!(ProgressStyle::with_template(TEMPLATE).is_ok());
+    }
+
+    #[test]
+    fn a_quiet_bar_is_hidden_and_still_counts() {
+        let bar = Bar::new(true);
+        bar.start("digitize", 10);
+        bar.advance(4).unwrap();
+        assert!(bar.bar.is_hidden());
+        assert_eq!(bar.bar.position(), 4);
+        bar.start("write", 3);
+        assert_eq!(bar.bar.position(), 0);
     }
 }

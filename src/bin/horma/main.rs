@@ -4,11 +4,16 @@
 mod bar;
 mod cli;
 mod exit;
+mod interrupt;
 
 use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = cli::Cli::parse();
-    exit::code_of(|| cli.run())
+    exit::shorten_panics();
+    ExitCode::from(exit::code_of(|| {
+        interrupt::take_over()?;
+        cli.run()
+    }))
 }

@@ -1,18 +1,32 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
-use crate::bar::Bar;
-use clap::{Args, CommandFactory, Parser, Subcommand};
+mod shell;
+
+pub(crate) use shell::{Shell, print};
+
+use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell as CompletionShell;
 
 /// From a scanned part to a lathe program.
 #[derive(Debug, Parser)]
-#[command(version, about, propagate_version = true, arg_required_else_help = true, after_help = EXIT_CODES)]
+#[command(
+    version,
+    about,
+    propagate_version = true,
+    arg_required_else_help = true,
+    before_help = START_HERE,
+    after_help = EXIT_CODES
+)]
 pub(crate) struct Cli {
     #[command(flatten)]
     shell: Shell,
     #[command(subcommand)]
     command: Command,
 }
+
+const START_HERE: &str = "Start here:
+  horma demo                                      make a last and the program that cuts it
+  horma cam part.stl -m last-lathe -o part.ngc    the same for a part of yours";
 
 const EXIT_CODES: &str = "Exit codes:
   0   done
@@ -22,40 +36,12 @@ const EXIT_CODES: &str = "Exit codes:
   73  an output cannot be written
   75  stopped before the end; try again";
 
-/// How to talk to whoever called.
-#[derive(Debug, Args)]
-pub(crate) struct Shell {
-    /// Print the report as JSON instead of text.
-    #[arg(long, global = true)]
-    pub(crate) json: bool,
-    /// No progress bars and no report; errors still appear.
-    #[arg(long, short, global = true)]
-    pub(crate) quiet: bool,
-    /// Threads to work with [default: all cores].
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<std::num::NonZeroUsize>,
-}
-
-impl Shell {
-    /// Where long work reports to.
-    pub(crate) fn progress(&self) -> Bar {
-        Bar::new(self.quiet || self.json)
-    }
-
-    /// Prints a result: as JSON if asked for, else as `text`; nothing when quiet.
-    pub(crate) fn report(&self, value: &impl serde::Serialize, text: &str) -> anyhow::Result<()> {
-        if self.json {
-            println!("{}", serde_json::to_string_pretty(value)?);
-        } else if !self.quiet {
-            println!("{}", text.trim_end());
-        }
-        Ok(())
-    }
-}
-
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Print shell completions.
+    #[command(
+        after_help = "For example: horma completions bash > ~/.local/share/bash-completion/completions/horma"
+    )]
     Completions {
         /// The shell to complete in.
         shell: CompletionShell,
@@ -65,19 +51,26 @@ enum Command {
 impl Cli {
     /// Runs the chosen subcommand.
     pub(crate) fn run(&self) -> anyhow::Result<()> {
-        if let Some(n_threads) = self.shell.threads {
-            rayon::ThreadPoolBuilder::new().num_threads(n_threads.get()).build_global()?;
-        }
+        self.shell.start_threads()?;
         match &self.command {
-            Command::Completions { shell } => {
-                clap_complete::generate(
-                    *shell,
-                    &mut Self::command(),
-                    "horma",
-                    &mut std::io::stdout(),
-                );
-                Ok(())
-            }
+            Command::Completions { shell } => completions(*shell),
         }
+    }
+}
+
+fn completions(shell: CompletionShell) -> anyhow::Result<()> {
+    // Made in memory first: clap_complete panics on a stdout that fails.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "horma", &mut script);
+    print(&String::from_utf8(script)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
     }
 }
