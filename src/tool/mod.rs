@@ -1,8 +1,20 @@
 //! Tools: convex profiles of revolution and what is known of the cutter around them.
 
+mod check;
+mod degrees;
+mod error;
+mod library;
+mod place;
 mod profile;
+mod shape;
+mod shorthand;
 
+pub use error::ToolError;
+pub(crate) use error::{hint, nearest};
+pub use library::ToolLibrary;
+pub use place::Place;
 pub use profile::Profile;
+pub use shape::Shape;
 
 /// A cutter as the tool library lists it.
 #[derive(Debug, Clone, PartialEq)]

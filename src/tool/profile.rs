@@ -40,6 +40,7 @@ pub enum Profile {
         /// Where the flank ends [mm].
         radius: f64,
         /// Between the axis and the flank [rad; `half-angle-deg` in files].
+        #[serde(rename = "half-angle-deg", with = "super::degrees")]
         half_angle: f64,
     },
     /// A cone with a ball for a tip.
@@ -49,6 +50,7 @@ pub enum Profile {
         /// Of the ball at the tip [mm].
         tip_radius: f64,
         /// Between the axis and the flank [rad; `half-angle-deg` in files].
+        #[serde(rename = "half-angle-deg", with = "super::degrees")]
         half_angle: f64,
     },
 }
