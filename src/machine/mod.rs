@@ -6,9 +6,16 @@
 //! is `zero + sign * motion`.
 
 mod axis;
+mod builtin;
+mod description;
+mod error;
+mod file;
+mod fit;
+mod follow;
 mod kinematics;
 
 pub use axis::{Axis, AxisKind, AxisValues, Carries, Follow, MAX_AXES};
+pub use error::MachineError;
 
 /// A machine tool.
 #[derive(Debug, Clone, PartialEq)]
