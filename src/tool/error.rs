@@ -103,8 +103,23 @@ pub(crate) fn hint(nearest: Option<&str>) -> String {
 
 /// The one of `known` that `name` was perhaps meant to be.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let likeness = |other: &str| strsim::jaro_winkler(&name.to_lowercase(), other);
+    // Pairs of letters in common: forgives a part of a name as well as a slip of the fingers.
+    let likeness = |other: &str| strsim::sorensen_dice(&name.to_lowercase(), other);
     let best = known.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
-    // Below this, clap too keeps its suggestions to itself.
-    (0.7 < likeness(best)).then_some(best)
+    (0.5 < likeness(best)).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_and_a_part_of_a_name_are_recognised_and_nonsense_is_not() {
+        let known = ["last-lathe", "last-lathe-pair", "mill-3axis"];
+        assert_eq!(nearest("last-lahte", known), Some("last-lathe"));
+        assert_eq!(nearest("Lathe", known), Some("last-lathe"));
+        assert_eq!(nearest("mill3axis", known), Some("mill-3axis"));
+        assert_eq!(nearest("toaster", known), None);
+        assert_eq!(nearest("", known), None);
+    }
 }

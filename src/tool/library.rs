@@ -1,6 +1,6 @@
 //! The tool library: a TOML file that lists cutters, and looking one up in it.
 
-use super::{Place, Profile, Shape, Tool, ToolError, Turns, nearest};
+use super::{Place, Profile, Shape, Tool, ToolError, Turns, nearest, printable};
 use std::collections::HashSet;
 use std::ops::Range;
 use toml::Spanned;
@@ -121,7 +121,7 @@ fn flaw<T>(value: &Spanned<T>, problem: ToolError) -> Flaw {
 fn read(text: &str) -> Result<ToolLibrary, Flaw> {
     let file: LibraryFile = toml::from_str(text).map_err(|error| Flaw {
         span: error.span().unwrap_or_default(),
-        problem: ToolError::Syntax(error.message().to_owned()),
+        problem: ToolError::Syntax(printable(error.message())),
     })?;
     let (mut names, mut numbers) = (HashSet::new(), HashSet::new());
     for ToolFile { name, number, .. } in &file.tool {

@@ -13,6 +13,7 @@ pub use error::ToolError;
 pub(crate) use error::{hint, nearest};
 pub use library::ToolLibrary;
 pub use place::Place;
+pub(crate) use place::printable;
 pub use profile::Profile;
 pub use shape::Shape;
 

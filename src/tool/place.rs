@@ -50,16 +50,17 @@ impl Display for Place {
 fn excerpt(line_text: &str, line: usize, column: usize, n_marked: usize) -> String {
     // A long line is shown from shortly before the place on.
     let skip = if column < WIDEST_EXCERPT { 0 } else { column - WIDEST_EXCERPT / 2 };
-    let shown: String = line_text.chars().skip(skip).take(WIDEST_EXCERPT).map(printable).collect();
+    let shown: String = line_text.chars().skip(skip).take(WIDEST_EXCERPT).collect();
+    let shown = printable(&shown);
     let before = column - 1 - skip;
     let marks = "^".repeat(n_marked.min(WIDEST_EXCERPT - before));
     let margin = " ".repeat(line.to_string().len());
     format!("\n{margin} |\n{line} | {shown}\n{margin} | {:before$}{marks}", "")
 }
 
-/// A terminal must not obey what stands in somebody's file.
-fn printable(character: char) -> char {
-    if character.is_control() { ' ' } else { character }
+/// `text` with blanks for control characters: a terminal must not obey what stands in a file.
+pub(crate) fn printable(text: &str) -> String {
+    text.replace(char::is_control, " ")
 }
 
 #[cfg(test)]
