@@ -4,9 +4,9 @@
 
 use super::file::{AxisFile, ClampingFile, MachineFile};
 use super::follow::follow;
+use super::read_axis::axis;
 use super::{Axis, AxisKind, Carries, Clamping, MAX_AXES, Machine, MachineError, Mount};
-use crate::geom::{Point3, Vector3};
-use crate::tool::{Place, ToolError, ToolLibrary};
+use crate::tool::{Place, ToolError, ToolLibrary, printable};
 use std::ops::Range;
 use toml::Spanned;
 
@@ -36,7 +36,7 @@ pub(super) fn flaw<T>(value: &Spanned<T>, problem: MachineError) -> Flaw {
 fn read(text: &str) -> Result<Machine, Flaw> {
     let file: MachineFile = toml::from_str(text).map_err(|error| Flaw {
         span: error.span().unwrap_or_default(),
-        problem: MachineError::Syntax(error.message().to_owned()),
+        problem: MachineError::Syntax(printable(error.message())),
     })?;
     check_letters(&file.axis)?;
     let mut axes = file.axis.iter().map(axis).collect::<Result<Vec<_>, _>>()?;
@@ -80,130 +80,6 @@ fn check_letters(axes: &[AxisFile]) -> Result<(), Flaw> {
         }
     }
     Ok(())
-}
-
-/// The axis without what it follows.
-fn axis(file: &AxisFile) -> Result<Axis, Flaw> {
-    let (letter, kind) = (*file.letter.get_ref(), *file.kind.get_ref());
-    if kind == AxisKind::Rotary && *file.carries.get_ref() == Carries::Tool {
-        return Err(flaw(&file.carries, MachineError::RotaryTool { letter }));
-    }
-    let inside = |value: f64| if kind == AxisKind::Rotary { value.to_radians() } else { value };
-    let zero = file.required("zero-mm", &file.zero_mm, "zero-deg", &file.zero_deg)?;
-    let velocity = file.required(
-        "velocity-mm-per-s",
-        &file.velocity_mm_per_s,
-        "velocity-deg-per-s",
-        &file.velocity_deg_per_s,
-    )?;
-    let acceleration = file.required(
-        "acceleration-mm-per-s2",
-        &file.acceleration_mm_per_s2,
-        "acceleration-deg-per-s2",
-        &file.acceleration_deg_per_s2,
-    )?;
-    Ok(Axis {
-        letter,
-        kind,
-        carries: *file.carries.get_ref(),
-        direction: direction(file)?,
-        point: point(file)?,
-        sign: sign(&file.sign)?,
-        zero: inside(finite("zero", zero)?),
-        limits: limits(file)?.map(|both| both.map(inside)),
-        velocity: inside(positive("velocity", velocity)?),
-        acceleration: inside(positive("acceleration", acceleration)?),
-        follows: None,
-    })
-}
-
-impl AxisFile {
-    /// The value given in the unit of this axis' kind; the other unit is refused.
-    fn in_unit<'a, T>(
-        &self,
-        mm_key: &'static str,
-        mm: &'a Option<Spanned<T>>,
-        deg_key: &'static str,
-        deg: &'a Option<Spanned<T>>,
-    ) -> Result<Option<&'a Spanned<T>>, Flaw> {
-        let kind = *self.kind.get_ref();
-        let (wanted, own, given, other) = match kind {
-            AxisKind::Linear => (mm_key, mm, deg_key, deg),
-            AxisKind::Rotary => (deg_key, deg, mm_key, mm),
-        };
-        if let Some(value) = other {
-            let (letter, remedy) = (*self.letter.get_ref(), format!("write {wanted}"));
-            return Err(flaw(value, MachineError::OtherKind { letter, kind, given, remedy }));
-        }
-        Ok(own.as_ref())
-    }
-
-    fn required<'a, T>(
-        &self,
-        mm_key: &'static str,
-        mm: &'a Option<Spanned<T>>,
-        deg_key: &'static str,
-        deg: &'a Option<Spanned<T>>,
-    ) -> Result<&'a Spanned<T>, Flaw> {
-        let (letter, kind) = (*self.letter.get_ref(), *self.kind.get_ref());
-        let key = if kind == AxisKind::Linear { mm_key } else { deg_key };
-        self.in_unit(mm_key, mm, deg_key, deg)?
-            .ok_or_else(|| flaw(&self.letter, MachineError::Missing { letter, kind, key }))
-    }
-}
-
-fn direction(file: &AxisFile) -> Result<Vector3, Flaw> {
-    let given = *file.direction.get_ref();
-    // Scaled first: a length of 1e-200 is a direction too, and 1e200 does not overflow.
-    let largest = given.iter().fold(0.0, |max: f64, value| max.max(value.abs()));
-    if 0.0 < largest && given.iter().all(|value| value.is_finite()) {
-        return Ok((Vector3::from(given) / largest).normalize());
-    }
-    let letter = *file.letter.get_ref();
-    Err(flaw(&file.direction, MachineError::Direction { letter, direction: given }))
-}
-
-fn point(file: &AxisFile) -> Result<Point3, Flaw> {
-    let (letter, kind) = (*file.letter.get_ref(), *file.kind.get_ref());
-    match (kind, &file.point) {
-        (AxisKind::Linear, None) => Ok(Point3::origin()),
-        (AxisKind::Linear, Some(point)) => {
-            let remedy = "leave it out".to_owned();
-            let given = "point";
-            Err(flaw(point, MachineError::OtherKind { letter, kind, given, remedy }))
-        }
-        (AxisKind::Rotary, None) => {
-            Err(flaw(&file.letter, MachineError::Missing { letter, kind, key: "point" }))
-        }
-        (AxisKind::Rotary, Some(point)) => match point.get_ref().iter().find(|v| !v.is_finite()) {
-            None => Ok(Point3::from(*point.get_ref())),
-            Some(&value) => Err(number(point, "point", value, "a finite number")),
-        },
-    }
-}
-
-fn sign(given: &Spanned<i64>) -> Result<f64, Flaw> {
-    match *given.get_ref() {
-        1 => Ok(1.0),
-        -1 => Ok(-1.0),
-        other => Err(number(given, "sign", other as f64, "1 or -1")),
-    }
-}
-
-fn limits(file: &AxisFile) -> Result<Option<[f64; 2]>, Flaw> {
-    let (letter, kind) = (*file.letter.get_ref(), *file.kind.get_ref());
-    let given = file.in_unit("limits-mm", &file.limits_mm, "limits-deg", &file.limits_deg)?;
-    match given {
-        Some(given) => {
-            let limits = *given.get_ref();
-            let travel = limits[0] < limits[1] && limits.iter().all(|limit| limit.is_finite());
-            let error = || flaw(given, MachineError::Limits { letter, limits });
-            if travel { Ok(Some(limits)) } else { Err(error()) }
-        }
-        // Only a turning axis can do without an end.
-        None if kind == AxisKind::Rotary => Ok(None),
-        None => Err(flaw(&file.letter, MachineError::Missing { letter, kind, key: "limits-mm" })),
-    }
 }
 
 /// Index of the axis `letter`, which the file names under `key`.
@@ -301,7 +177,7 @@ fn title(given: &Spanned<String>) -> Result<String, Flaw> {
     Ok(given.get_ref().clone())
 }
 
-fn positive(key: &'static str, given: &Spanned<f64>) -> Result<f64, Flaw> {
+pub(super) fn positive(key: &'static str, given: &Spanned<f64>) -> Result<f64, Flaw> {
     let value = finite(key, given)?;
     if 0.0 < value { Ok(value) } else { Err(number(given, key, value, "greater than 0")) }
 }

@@ -13,6 +13,7 @@ mod file;
 mod fit;
 mod follow;
 mod kinematics;
+mod read_axis;
 
 pub use axis::{Axis, AxisKind, AxisValues, Carries, Follow, MAX_AXES};
 pub use error::MachineError;
