@@ -1,3 +1,4 @@
 //! What crosses modules, in one binary.
 
 mod machine_files;
+mod machines;

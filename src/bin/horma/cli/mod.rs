@@ -1,8 +1,13 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod machine;
+mod table;
+mod tool;
+
 use crate::bar::Bar;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell as CompletionShell;
+use std::io::{ErrorKind, Write};
 
 /// From a scanned part to a lathe program.
 #[derive(Debug, Parser)]
@@ -45,16 +50,27 @@ impl Shell {
     /// Prints a result: as JSON if asked for, else as `text`; nothing when quiet.
     pub(crate) fn report(&self, value: &impl serde::Serialize, text: &str) -> anyhow::Result<()> {
         if self.json {
-            println!("{}", serde_json::to_string_pretty(value)?);
-        } else if !self.quiet {
-            println!("{}", text.trim_end());
+            print_whole(&(serde_json::to_string_pretty(value)? + "\n"))
+        } else if self.quiet {
+            Ok(())
+        } else {
+            print_whole(&format!("{}\n", text.trim_end()))
         }
-        Ok(())
+    }
+}
+
+/// Writes `text` to stdout. A reader who has seen enough, as in `| head`, is no error.
+pub(crate) fn print_whole(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
     }
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Machine(machine::MachineArgs),
+    Tool(tool::ToolArgs),
     /// Print shell completions.
     Completions {
         /// The shell to complete in.
@@ -69,6 +85,8 @@ impl Cli {
             rayon::ThreadPoolBuilder::new().num_threads(n_threads.get()).build_global()?;
         }
         match &self.command {
+            Command::Machine(args) => machine::run(args, &self.shell),
+            Command::Tool(args) => tool::run(args, &self.shell),
             Command::Completions { shell } => {
                 clap_complete::generate(
                     *shell,
