@@ -62,9 +62,9 @@ fn main() {
             UnitQuaternion::from_axis_angle(&Vector3::x_axis(), a),
         )
     };
-    let wheel = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.shape(0.0);
+    let wheel = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.cutter(0.0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let d = Digitizer { part: &part, shape: wheel, method: Method::Indexed };
+    let d = Digitizer { part: &part, cutter: wheel, method: Method::Indexed };
     for _ in 0..3 {
         let t = Instant::now();
         let a = pool.install(|| d.run(total, pose, &Silent)).unwrap();

@@ -6,9 +6,17 @@
 //! is `zero + sign * motion`.
 
 mod axis;
+mod builtin;
+mod description;
+mod error;
+mod file;
+mod fit;
+mod follow;
 mod kinematics;
+mod read_axis;
 
 pub use axis::{Axis, AxisKind, AxisValues, Carries, Follow, MAX_AXES};
+pub use error::MachineError;
 
 /// A machine tool.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,28 @@
 //! Tools: convex profiles of revolution and what is known of the cutter around them.
 
+mod check;
+mod cutter;
+mod degrees;
+mod error;
 mod height;
+mod library;
 mod mill;
+mod place;
 mod profile;
+mod shape;
+mod shorthand;
 mod wheel;
 
+pub use cutter::Cutter;
+pub use error::ToolError;
+pub(crate) use error::{hint, nearest};
 pub use height::{HeightFunction, Jet, Reach, Tangent};
+pub use library::ToolLibrary;
 pub use mill::Mill;
-pub use profile::{Profile, Shape};
+pub use place::Place;
+pub(crate) use place::printable;
+pub use profile::Profile;
+pub use shape::Shape;
 pub use wheel::Wheel;
 
 /// A cutter as the tool library lists it.

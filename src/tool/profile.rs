@@ -1,7 +1,5 @@
 //! The cutting shapes, by their dimensions.
 
-use super::{Mill, Wheel};
-
 /// A convex profile of revolution. The programmed point is the centre of a wheel and the tip of
 /// every other tool.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -42,6 +40,7 @@ pub enum Profile {
         /// Where the flank ends [mm].
         radius: f64,
         /// Between the axis and the flank [rad; `half-angle-deg` in files].
+        #[serde(rename = "half-angle-deg", with = "super::degrees")]
         half_angle: f64,
     },
     /// A cone with a ball for a tip.
@@ -51,39 +50,7 @@ pub enum Profile {
         /// Of the ball at the tip [mm].
         tip_radius: f64,
         /// Between the axis and the flank [rad; `half-angle-deg` in files].
+        #[serde(rename = "half-angle-deg", with = "super::degrees")]
         half_angle: f64,
     },
-}
-
-/// A profile as digitizing sees it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    /// Across the attack axis.
-    Wheel(Wheel),
-    /// Along the attack axis.
-    Mill(Mill),
-}
-
-impl Profile {
-    /// The shape whose height function leaves exactly `allowance` on the part: the profile grown by
-    /// a ball of that radius (wheel: r + a; ball: r + a; a flat end becomes a bull). Its programmed
-    /// point stays that of the tool itself.
-    pub fn shape(&self, allowance: f64) -> Shape {
-        match *self {
-            Self::Wheel { major_radius, minor_radius } => {
-                Shape::Wheel(Wheel { major: major_radius, minor: minor_radius + allowance })
-            }
-            Self::Ball { radius } => Shape::Mill(Mill::straight(0.0, radius, allowance)),
-            Self::Flat { radius } => Shape::Mill(Mill::straight(radius, 0.0, allowance)),
-            Self::Bull { radius, corner_radius } => {
-                Shape::Mill(Mill::straight(radius - corner_radius, corner_radius, allowance))
-            }
-            Self::Cone { radius, half_angle } => {
-                Shape::Mill(Mill::tapered(0.0, half_angle, radius, allowance))
-            }
-            Self::BallCone { radius, tip_radius, half_angle } => {
-                Shape::Mill(Mill::tapered(tip_radius, half_angle, radius, allowance))
-            }
-        }
-    }
 }

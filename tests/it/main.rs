@@ -4,5 +4,7 @@ mod command;
 mod docs;
 mod layers;
 mod licences;
+mod machine_files;
+mod machines;
 mod output;
 mod source;

@@ -22,7 +22,7 @@ pub use touch::ContactKind;
 
 use crate::geom::{Point3, Pose, Vector3};
 use crate::progress::{Cancelled, Progress};
-use crate::tool::{HeightFunction, Shape};
+use crate::tool::{Cutter, HeightFunction};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use view::View;
@@ -72,7 +72,7 @@ pub struct Digitizer<'a> {
     /// What is touched.
     pub part: &'a Part,
     /// What touches.
-    pub shape: Shape,
+    pub cutter: Cutter,
     /// How the contact is found.
     pub method: Method,
 }
@@ -91,9 +91,9 @@ impl Digitizer<'_> {
         progress: &dyn Progress,
     ) -> Result<Vec<Option<Contact>>, Cancelled> {
         progress.start("digitizing", n_positions as u64);
-        match &self.shape {
-            Shape::Wheel(wheel) => self.fill(wheel, n_positions, attack_from_part, progress),
-            Shape::Mill(mill) => self.fill(mill, n_positions, attack_from_part, progress),
+        match &self.cutter {
+            Cutter::Wheel(wheel) => self.fill(wheel, n_positions, attack_from_part, progress),
+            Cutter::Mill(mill) => self.fill(mill, n_positions, attack_from_part, progress),
         }
     }
 

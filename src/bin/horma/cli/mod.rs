@@ -1,6 +1,9 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod machine;
 mod shell;
+mod table;
+mod tool;
 
 pub(crate) use shell::{Shell, print};
 
@@ -38,6 +41,8 @@ const EXIT_CODES: &str = "Exit codes:
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Machine(machine::MachineArgs),
+    Tool(tool::ToolArgs),
     /// Print shell completions.
     #[command(
         after_help = "For example: horma completions bash > ~/.local/share/bash-completion/completions/horma"
@@ -53,6 +58,8 @@ impl Cli {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         self.shell.start_threads()?;
         match &self.command {
+            Command::Machine(args) => machine::run(args, &self.shell),
+            Command::Tool(args) => tool::run(args, &self.shell),
             Command::Completions { shell } => completions(*shell),
         }
     }
