@@ -40,8 +40,12 @@ pub fn render(scene: &Scene, camera: &Camera) -> Raster {
     let mut pixels = vec![[0; 3]; (width * height) as usize];
     pixels.par_chunks_mut(BAND * width as usize).enumerate().for_each(|(i_band, rows)| {
         let mut band = Band::new(i_band, rows.len() / width as usize, [width, height]);
-        facets.iter().for_each(|facet| band.fill(facet));
-        strokes.iter().for_each(|stroke| band.stroke(stroke));
+        for facet in &facets {
+            band.fill(facet);
+        }
+        for stroke in &strokes {
+            band.stroke(stroke);
+        }
         band.average_into(rows);
     });
     Raster { width, height, pixels }
