@@ -178,7 +178,8 @@ impl Band {
             for x in xs.clone() {
                 let p = [x as f32 + 0.5, (self.top + y) as f32 + 0.5, 0.0];
                 let weights = [cross(p, b, c), cross(a, p, c), cross(a, b, p)].map(|w| w / area);
-                if weights.iter().any(|&w| w < 0.0) {
+                // A hair over the edge, or rounding would leave pinholes between neighbours.
+                if weights.iter().any(|&w| w < -1e-4) {
                     continue;
                 }
                 let depth = blend([[a[2]; 1], [b[2]; 1], [c[2]; 1]], weights)[0];

@@ -99,14 +99,14 @@ mod tests {
     use super::super::solids::tests::{assert_watertight, volume};
     use super::*;
 
-    fn drawn(parameters: LastParameters) -> TriMesh {
-        last(&parameters).unwrap()
+    fn drawn(parameters: &LastParameters) -> TriMesh {
+        last(parameters).unwrap()
     }
 
     #[test]
     fn last_is_closed_and_has_no_triangle_without_area() {
         for toe_roundness in [1.6, 2.0, 4.0] {
-            let mesh = drawn(LastParameters { toe_roundness, ..Default::default() });
+            let mesh = drawn(&LastParameters { toe_roundness, ..Default::default() });
             assert_watertight(&mesh);
             let least = (0..mesh.triangles.len()).map(|i| mesh.area_vector(i).norm());
             assert!(least.fold(f64::INFINITY, f64::min) > 1e-9, "toe roundness {toe_roundness}");
@@ -119,17 +119,42 @@ mod tests {
     }
 
     #[test]
+    fn extreme_lasts_are_closed_and_end_at_the_top_of_the_cone() {
+        let pick = |bits: usize, bit: usize, [low, high]: [f64; 2]| {
+            Some(265.0 * if bits & bit == 0 { low } else { high })
+        };
+        for bits in 0..32 {
+            let heel_height = pick(bits, 1, [0.0, 0.3]);
+            let seat = heel_height.unwrap() / 265.0;
+            let parameters = LastParameters {
+                heel_height,
+                toe_spring: pick(bits, 2, [0.0, 0.12]),
+                ball_girth: pick(bits, 4, [0.75, 1.2]),
+                cone_height: pick(bits, 8, [(seat + 0.24).max(0.3), seat + 0.4]),
+                cone_length: pick(bits, 16, [0.34, 0.46]),
+                resolution: 6.0,
+                ..Default::default()
+            };
+            let mesh = drawn(&parameters);
+            assert_watertight(&mesh);
+            assert!(volume(&mesh) > 0.0);
+            let miss = mesh.aabb().max.z - parameters.cone_height.unwrap();
+            assert!(miss.abs() < 4.0, "{miss} mm off the cone height: {parameters:?}");
+        }
+    }
+
+    #[test]
     fn last_is_as_long_as_asked_and_stands_on_the_ground() {
         for length in [120.0, 236.0, 265.0, 310.0] {
-            let aabb = drawn(LastParameters { length, ..Default::default() }).aabb();
+            let aabb = drawn(&LastParameters { length, ..Default::default() }).aabb();
             assert_eq!((aabb.min.x, aabb.max.x, aabb.min.z), (0.0, length, 0.0));
         }
     }
 
     #[test]
     fn right_last_is_the_mirror_image_of_the_left_and_not_the_same() {
-        let left = drawn(LastParameters::default());
-        let right = drawn(LastParameters { side: Side::Right, ..Default::default() });
+        let left = drawn(&LastParameters::default());
+        let right = drawn(&LastParameters { side: Side::Right, ..Default::default() });
         assert_watertight(&right);
         assert!(volume(&right) > 0.0);
         assert_eq!(right, left.clone().mirrored());
@@ -174,7 +199,7 @@ mod tests {
 
     #[test]
     fn instep_is_as_full_as_on_real_lasts() {
-        let mesh = drawn(LastParameters::default());
+        let mesh = drawn(&LastParameters::default());
         // From the shank midway heel-ball forwards over the ridge, as the tape lies.
         let shank = Point3::new(0.35 * 265.0, 0.0, 11.0);
         let ridge = Point3::new(0.46 * 265.0, 0.0, 88.0);

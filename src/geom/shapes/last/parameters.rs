@@ -108,18 +108,14 @@ impl LastParameters {
         };
         let heel_height = part("heel-height", self.heel_height, 0.085, 0.0, 0.3)?;
         let seat = heel_height / length;
+        let lowest = (seat + 0.24).max(0.3);
         Ok(Sizes {
             length,
             heel_height,
             ball_girth: part("ball-girth", self.ball_girth, 0.945, 0.75, 1.2)?,
             toe_spring: part("toe-spring", self.toe_spring, 0.038, 0.0, 0.12)?,
-            cone_height: part(
-                "cone-height",
-                self.cone_height,
-                seat + 0.3,
-                seat + 0.24,
-                seat + 0.4,
-            )?,
+            // The cone must stand clear of the fullest forepart.
+            cone_height: part("cone-height", self.cone_height, seat + 0.31, lowest, seat + 0.4)?,
             cone_length: part("cone-length", self.cone_length, 0.4, 0.34, 0.46)?,
             toe_roundness: within("toe-roundness", self.toe_roundness, 1.6, 4.0)?,
             // Finer than this would be millions of triangles.
