@@ -12,7 +12,7 @@ struct Command {
 }
 
 fn coarse(side: Side) -> TriMesh {
-    last(&LastParameters { side, resolution: 5.0, ..LastParameters::default() }).unwrap()
+    last(&LastParameters { side, resolution: Some(5.0), ..LastParameters::default() }).unwrap()
 }
 
 fn seen(mesh: &TriMesh, camera: &Camera) -> Raster {

@@ -3,28 +3,13 @@
 //! The charts take their ink from the page they stand on (CSS `currentColor`), so they are legible
 //! in light and dark and need nothing from outside.
 
+use super::Raster;
+use super::chart::{Chart, Labels, PLOT, WIDTH};
 use super::colour::{MISSING, SERIES, heat};
 use super::ticks::Ticks;
-use super::{Raster, encode_png, html::escape};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD as BASE64;
-use std::fmt::Write as _;
 
-const WIDTH: f64 = 560.0;
-const HEIGHT: f64 = 320.0;
-/// Left, right, top and bottom edge of the plot inside the chart.
-const PLOT: [f64; 4] = [62.0, 546.0, 28.0, 262.0];
 /// More points than twice this many columns are drawn as the range in each column.
 const COLUMNS: usize = 484;
-
-/// What the two axes of a chart are called, with their units.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Labels<'a> {
-    /// Below the horizontal axis.
-    pub x: &'a str,
-    /// Beside the vertical axis.
-    pub y: &'a str,
-}
 
 /// One line of a chart.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +51,7 @@ pub fn line_chart(series: &[Series], labels: Labels) -> String {
             ));
         }
     }
-    svg.legend(series);
+    svg.legend(series.iter().map(|line| line.name.as_str()));
     svg.finish()
 }
 
@@ -154,93 +139,6 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         kept.into_iter().map(|i| chunk[i]).collect::<Vec<_>>()
     };
     points.chunks(points.len().div_ceil(COLUMNS)).flat_map(extremes).collect()
-}
-
-/// A chart being written.
-struct Chart(String);
-
-impl Chart {
-    fn empty() -> Self {
-        Self(format!(
-            "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" font-size=\"12\" \
-             font-family=\"system-ui, sans-serif\" fill=\"currentColor\">"
-        ))
-    }
-
-    fn new(x: &Ticks, y: &Ticks, labels: Labels) -> Self {
-        let mut chart = Self::empty();
-        chart.axes(x, y, labels, PLOT[1]);
-        chart
-    }
-
-    /// Grid lines, numbers and names of both axes, for a plot that ends at `right`.
-    fn axes(&mut self, x: &Ticks, y: &Ticks, labels: Labels, right: f64) {
-        let [left, _, top, bottom] = PLOT;
-        for (value, text) in y.labels() {
-            let at = bottom - (bottom - top) * y.share(value);
-            self.line([left, at], [right, at], 0.14);
-            self.text([left - 8.0, at + 4.0], "end", &text);
-        }
-        for (value, text) in x.labels() {
-            let at = left + (right - left) * x.share(value);
-            self.line([at, bottom], [at, bottom + 5.0], 0.5);
-            self.text([at, bottom + 20.0], "middle", &text);
-        }
-        self.line([left, bottom], [right, bottom], 0.5);
-        self.text([f64::midpoint(left, right), HEIGHT - 12.0], "middle", labels.x);
-        self.add(format_args!(
-            "<text transform=\"translate(16 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            f64::midpoint(top, bottom),
-            escape(labels.y)
-        ));
-    }
-
-    fn legend(&mut self, series: &[Series]) {
-        let mut x = PLOT[0] + 4.0;
-        for (i, line) in series.iter().enumerate().filter(|(_, line)| !line.name.is_empty()) {
-            let color = SERIES[i % SERIES.len()];
-            self.add(format_args!(
-                "<rect x=\"{x:.1}\" y=\"6\" width=\"14\" height=\"4\" rx=\"2\" fill=\"{color}\"/>"
-            ));
-            self.text([x + 20.0, 12.0], "start", &line.name);
-            x += 44.0 + 6.5 * line.name.chars().count() as f64;
-        }
-    }
-
-    fn line(&mut self, from: [f64; 2], to: [f64; 2], opacity: f64) {
-        self.add(format_args!(
-            "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"currentColor\" \
-             stroke-opacity=\"{opacity}\"/>",
-            from[0], from[1], to[0], to[1]
-        ));
-    }
-
-    fn text(&mut self, [x, y]: [f64; 2], anchor: &str, text: &str) {
-        let text = escape(text);
-        self.add(format_args!(
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>"
-        ));
-    }
-
-    fn image(&mut self, [x, y, width, height]: [f64; 4], raster: &Raster) -> std::io::Result<()> {
-        let data = BASE64.encode(encode_png(raster)?);
-        self.add(format_args!(
-            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
-             preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
-             href=\"data:image/png;base64,{data}\"/>"
-        ));
-        Ok(())
-    }
-
-    fn add(&mut self, element: std::fmt::Arguments) {
-        // Text in memory takes everything.
-        let _ = self.0.write_fmt(element);
-    }
-
-    fn finish(mut self) -> String {
-        self.0.push_str("</svg>");
-        self.0
-    }
 }
 
 #[cfg(test)]

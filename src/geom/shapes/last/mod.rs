@@ -132,7 +132,7 @@ mod tests {
                 ball_girth: pick(bits, 4, [0.75, 1.2]),
                 cone_height: pick(bits, 8, [(seat + 0.24).max(0.3), seat + 0.4]),
                 cone_length: pick(bits, 16, [0.34, 0.46]),
-                resolution: 6.0,
+                resolution: Some(6.0),
                 ..Default::default()
             };
             let mesh = drawn(&parameters);
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn last_is_as_long_as_asked_and_stands_on_the_ground() {
-        for length in [120.0, 236.0, 265.0, 310.0] {
+        for length in [20.0, 236.0, 265.0, 310.0, 2000.0] {
             let aabb = drawn(&LastParameters { length, ..Default::default() }).aabb();
             assert_eq!((aabb.min.x, aabb.max.x, aabb.min.z), (0.0, length, 0.0));
         }
@@ -213,7 +213,7 @@ mod tests {
         let refused = |parameters: LastParameters| last(&parameters).unwrap_err().to_string();
         let text = refused(LastParameters { length: f64::NAN, ..Default::default() });
         assert!(text.starts_with("length is NaN"), "{text}");
-        let text = refused(LastParameters { resolution: 1e-6, ..Default::default() });
+        let text = refused(LastParameters { resolution: Some(1e-6), ..Default::default() });
         assert!(text.starts_with("resolution is 0.000001"), "{text}");
         let text = refused(LastParameters { heel_height: Some(200.0), ..Default::default() });
         assert!(text.starts_with("heel-height is 200, but this last takes 0.0 to 79.5"), "{text}");

@@ -28,9 +28,9 @@ pub struct LastParameters {
     /// Outline of the toe: 1.6 pointed, 2 round, 4 square.
     #[arg(long, value_name = "N", default_value_t = Self::default().toe_roundness)]
     pub toe_roundness: f64,
-    /// Size of the triangles, about [mm].
-    #[arg(long, value_name = "MM", default_value_t = Self::default().resolution)]
-    pub resolution: f64,
+    /// Size of the triangles, about [mm; default: 0.0075 of the length].
+    #[arg(long, value_name = "MM")]
+    pub resolution: Option<f64>,
 }
 
 impl Default for LastParameters {
@@ -44,7 +44,7 @@ impl Default for LastParameters {
             cone_height: None,
             cone_length: None,
             toe_roundness: 2.0,
-            resolution: 2.0,
+            resolution: None,
         }
     }
 }
@@ -119,7 +119,7 @@ impl LastParameters {
             cone_length: part("cone-length", self.cone_length, 0.4, 0.34, 0.46)?,
             toe_roundness: within("toe-roundness", self.toe_roundness, 1.6, 4.0)?,
             // Finer than this would be millions of triangles.
-            resolution: within("resolution", self.resolution, 0.0015 * length, 0.05 * length)?,
+            resolution: part("resolution", self.resolution, 0.0075, 0.0015, 0.05)?,
         })
     }
 }
