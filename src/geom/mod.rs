@@ -4,6 +4,7 @@ mod aabb;
 mod cloud;
 mod mesh;
 mod sections;
+pub mod shapes;
 mod surface;
 mod tree;
 

@@ -3,6 +3,7 @@
 mod machine;
 mod output;
 mod output_set;
+pub mod report;
 mod target;
 mod unfinished;
 

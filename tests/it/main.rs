@@ -7,4 +7,5 @@ mod licences;
 mod machine_files;
 mod machines;
 mod output;
+mod shapes;
 mod source;

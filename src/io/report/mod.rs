@@ -1,0 +1,26 @@
+//! What people read after a job: pictures, charts, and one HTML page with everything inside.
+//!
+//! Nothing here touches a file. [`render`] turns a [`Scene`] into pixels, [`line_chart`],
+//! [`histogram`] and [`heat_map`] turn numbers into SVG, and [`html`] turns a [`Page`] into the
+//! text of a file that needs no other: no script, no font, no address.
+
+mod band;
+mod chart;
+mod colour;
+mod html;
+mod page;
+mod png;
+mod raster;
+mod scene;
+mod shade;
+mod svg;
+mod ticks;
+
+pub use chart::Labels;
+pub use colour::heat;
+pub use html::html;
+pub use page::{Block, Figure, Image, Page, Picture, Section, Table};
+pub use png::encode_png;
+pub use raster::{Raster, render};
+pub use scene::{Camera, Path, Scene, Solid};
+pub use svg::{Grid, Series, heat_map, histogram, line_chart};

@@ -1,0 +1,219 @@
+//! Charts as SVG text: lines, histogram, heat map.
+//!
+//! The charts take their ink from the page they stand on (CSS `currentColor`), so they are legible
+//! in light and dark and need nothing from outside.
+
+use super::Raster;
+use super::chart::{Chart, Labels, PLOT, WIDTH};
+use super::colour::{MISSING, SERIES, heat};
+use super::ticks::Ticks;
+
+/// More points than twice this many columns are drawn as the range in each column.
+const COLUMNS: usize = 484;
+
+/// One line of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What the legend calls it; empty for none.
+    pub name: String,
+    /// Its points from left to right. One that is no number leaves a gap.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Values on a grid, drawn as coloured cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Cells from left to right; `values` holds whole rows of as many.
+    pub n_columns: usize,
+    /// Row by row from the bottom up; NaN where there is nothing.
+    pub values: Vec<f64>,
+    /// The least and the greatest x.
+    pub x: [f64; 2],
+    /// The least and the greatest y.
+    pub y: [f64; 2],
+}
+
+/// Values over another quantity.
+pub fn line_chart(series: &[Series], labels: Labels) -> String {
+    let points = || series.iter().flat_map(|s| &s.points);
+    let x = Ticks::around(points().map(|p| p[0]), 6);
+    let y = Ticks::around(points().map(|p| p[1]), 5).widened();
+    let mut svg = Chart::new(&x, &y, labels);
+    for (i, line) in series.iter().enumerate() {
+        let color = SERIES[i % SERIES.len()];
+        for run in runs(&thinned(&line.points)) {
+            let places = run.iter().map(|&[px, py]| place(&x, &y, px, py));
+            let corners: Vec<String> = places.map(|[px, py]| format!("{px:.1},{py:.1}")).collect();
+            svg.add(format_args!(
+                "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.6\" \
+                 stroke-linejoin=\"round\"/>",
+                corners.join(" ")
+            ));
+        }
+    }
+    svg.legend(series.iter().map(|line| line.name.as_str()));
+    svg.finish()
+}
+
+/// How often values fall into each of `n_bins` equal bins from the least to the greatest.
+pub fn histogram(values: &[f64], n_bins: usize, labels: Labels) -> String {
+    let x = Ticks::around(values.iter().copied(), 6);
+    let mut counts = vec![0_u64; n_bins.clamp(1, COLUMNS)];
+    let n = counts.len();
+    for &value in values.iter().filter(|v| v.is_finite()) {
+        counts[((x.share(value) * n as f64) as usize).min(n - 1)] += 1;
+    }
+    let greatest = counts.iter().max().map_or(0.0, |&c| c as f64);
+    let y = Ticks::around([0.0, greatest.max(1.0)].into_iter(), 5).widened();
+    let mut svg = Chart::new(&x, &y, labels);
+    let bar = (PLOT[1] - PLOT[0]) / n as f64;
+    for (i, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let top = PLOT[3] - (PLOT[3] - PLOT[2]) * y.share(count as f64);
+        let gap = if bar > 4.0 { 1.0 } else { 0.0 };
+        svg.add(format_args!(
+            "<rect x=\"{:.2}\" y=\"{top:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"{}\"/>",
+            PLOT[0] + bar * i as f64,
+            bar - gap,
+            PLOT[3] - top,
+            SERIES[0]
+        ));
+    }
+    svg.finish()
+}
+
+/// A grid of values as colours, with the bar that explains them called `value_label`.
+pub fn heat_map(grid: &Grid, labels: Labels, value_label: &str) -> std::io::Result<String> {
+    let values = Ticks::around(grid.values.iter().copied(), 5);
+    let (x, y) = (Ticks::around(grid.x.into_iter(), 5), Ticks::around(grid.y.into_iter(), 6));
+    let mut svg = Chart::empty();
+    // Only the bar's width is taken from the plot, on the right.
+    let right = PLOT[1] - 70.0;
+    svg.image([PLOT[0], PLOT[2], right - PLOT[0], PLOT[3] - PLOT[2]], &cells(grid, &values))?;
+    svg.axes(&x, &y, labels, right);
+    let bar: Vec<[u8; 3]> = (0..128).rev().map(|i| heat(f64::from(i) / 127.0)).collect();
+    let bar = Raster { width: 1, height: 128, pixels: bar };
+    svg.image([right + 20.0, PLOT[2], 14.0, PLOT[3] - PLOT[2]], &bar)?;
+    for (value, text) in values.labels() {
+        let y = PLOT[3] - (PLOT[3] - PLOT[2]) * values.share(value);
+        svg.text([right + 40.0, y + 4.0], "start", &text);
+    }
+    svg.text([WIDTH - 4.0, PLOT[2] - 11.0], "end", value_label);
+    Ok(svg.finish())
+}
+
+/// The grid as a picture of one pixel per cell, top row first.
+fn cells(grid: &Grid, values: &Ticks) -> Raster {
+    let n = grid.n_columns.max(1);
+    let rows = grid.values.chunks_exact(n).rev();
+    let color = |v: &f64| if v.is_finite() { heat(values.share(*v)) } else { MISSING };
+    let pixels: Vec<[u8; 3]> = rows.flatten().map(color).collect();
+    Raster { width: n as u32, height: (pixels.len() / n) as u32, pixels }
+}
+
+/// Where a point of the plot lies in the chart.
+fn place(x: &Ticks, y: &Ticks, px: f64, py: f64) -> [f64; 2] {
+    let [left, right, top, bottom] = PLOT;
+    [left + (right - left) * x.share(px), bottom - (bottom - top) * y.share(py)]
+}
+
+/// The points between gaps.
+fn runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
+    let is_number = |p: &[f64; 2]| p[0].is_finite() && p[1].is_finite();
+    points.split(move |p| !is_number(p)).filter(|run| !run.is_empty())
+}
+
+/// No more points than the eye can tell apart: of each column the least and the greatest, in order,
+/// and a gap wherever there was one.
+fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    if points.len() <= 2 * COLUMNS {
+        return points.to_vec();
+    }
+    let extremes = |chunk: &[[f64; 2]]| {
+        let is_number = |p: &[f64; 2]| (p[0] + p[1]).is_finite();
+        let by_y = |a: &usize, b: &usize| chunk[*a][1].total_cmp(&chunk[*b][1]);
+        let numbers = || (0..chunk.len()).filter(|&i| is_number(&chunk[i]));
+        let mut kept: Vec<usize> = numbers().min_by(by_y).into_iter().collect();
+        kept.extend(numbers().max_by(by_y));
+        kept.extend((0..chunk.len()).find(|&i| !is_number(&chunk[i])));
+        kept.sort_unstable();
+        kept.into_iter().map(|i| chunk[i]).collect::<Vec<_>>()
+    };
+    points.chunks(points.len().div_ceil(COLUMNS)).flat_map(extremes).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::html::tests::assert_balanced;
+    use super::*;
+
+    const LABELS: Labels = Labels { x: "turn", y: "Y [mm] <&>" };
+
+    fn series(points: Vec<[f64; 2]>) -> Series {
+        Series { name: "height".into(), points }
+    }
+
+    #[test]
+    fn charts_are_well_formed_and_escape_their_labels() {
+        let grid = Grid {
+            n_columns: 3,
+            values: vec![0.0, 1.0, f64::NAN, 3.0, 4.0, 5.0],
+            x: [0.0, 9.0],
+            y: [0.0, 6.3],
+        };
+        let charts = [
+            line_chart(
+                &[series(vec![[0.0, 1.0], [1.0, 3.0], [2.0, f64::NAN], [3.0, 2.0]])],
+                LABELS,
+            ),
+            line_chart(&[], LABELS),
+            histogram(&[1.0, 2.0, 2.5, f64::NAN, 9.0], 12, LABELS),
+            histogram(&[], 12, LABELS),
+            heat_map(&grid, LABELS, "gap <mm>").unwrap(),
+        ];
+        for chart in charts {
+            assert_balanced(&chart);
+            assert!(chart.contains("Y [mm] &lt;&amp;&gt;"));
+            assert!(!chart.contains("NaN") && !chart.contains("inf"), "{chart}");
+        }
+    }
+
+    #[test]
+    fn value_that_is_no_number_leaves_a_gap_in_the_line() {
+        let points = vec![[0.0, 1.0], [1.0, 3.0], [2.0, f64::NAN], [3.0, 2.0], [4.0, 2.0]];
+        assert_eq!(line_chart(&[series(points)], LABELS).matches("<polyline").count(), 2);
+    }
+
+    #[test]
+    fn thinning_keeps_the_peaks() {
+        let mut points: Vec<[f64; 2]> =
+            (0..100_000).map(|i| [f64::from(i), (f64::from(i) / 9.0).sin()]).collect();
+        points[54_321][1] = 50.0;
+        points[77_777][1] = -50.0;
+        points[77_770][1] = f64::NAN;
+        let few = thinned(&points);
+        assert!(few.len() <= 2 * COLUMNS + 1);
+        assert_eq!(runs(&few).count(), 2, "the gap is kept");
+        assert!(few.contains(&points[54_321]) && few.contains(&points[77_777]));
+        assert!(few.windows(2).all(|w| w[0][0] <= w[1][0]), "the order is kept");
+    }
+
+    #[test]
+    fn histogram_has_a_bar_for_every_bin_with_values() {
+        let chart = histogram(&[0.0, 0.1, 5.0, 10.0], 10, LABELS);
+        assert_eq!(chart.matches("<rect").count(), 3);
+    }
+
+    #[test]
+    fn heat_map_has_its_first_row_at_the_bottom() {
+        let grid =
+            Grid { n_columns: 2, values: vec![0.0, 0.0, 1.0, 1.0], x: [0.0, 1.0], y: [0.0, 1.0] };
+        let raster = cells(&grid, &Ticks::around(grid.values.iter().copied(), 5));
+        assert_eq!(raster.pixels, [heat(1.0), heat(1.0), heat(0.0), heat(0.0)]);
+    }
+
+    #[test]
+    fn heat_map_without_cells_is_refused() {
+        let grid = Grid { n_columns: 3, values: vec![], x: [0.0, 1.0], y: [0.0, 1.0] };
+        assert!(heat_map(&grid, LABELS, "v").is_err());
+    }
+}
