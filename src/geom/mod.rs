@@ -3,14 +3,22 @@
 mod aabb;
 mod cloud;
 mod mesh;
+mod polygon;
 mod sections;
 mod surface;
+mod topology;
+mod units;
+mod weld;
 
 pub use aabb::Aabb;
 pub use cloud::PointCloud;
 pub use mesh::TriMesh;
+pub use polygon::Polygons;
 pub use sections::SectionGrid;
 pub use surface::Surface;
+pub use topology::{MeshReport, topology};
+pub use units::{LengthUnit, UnitSource};
+pub use weld::weld;
 
 /// A point in space [mm].
 pub type Point3 = nalgebra::Point3<f64>;
