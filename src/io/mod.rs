@@ -1,5 +1,26 @@
 //! Files in and out.
+//!
+//! [`read_surface`] tells a format by what a file holds, settles its unit and refuses what is no
+//! surface; one file per format holds its reader and writer. [`write_surface`] goes by the name.
 
+mod faces;
+mod fault;
+mod format;
+mod gltf;
+mod obj;
 mod output;
+mod pcd;
+mod ply;
+mod points;
+mod raw;
+mod read;
+mod sections;
+mod source;
+mod stl;
+mod write;
 
+pub use fault::{Fault, Place, ReadError};
+pub use format::Format;
 pub use output::{Overwrite, WriteError, write_file};
+pub use read::{Reading, read_surface};
+pub use write::{write_surface, write_surface_as};

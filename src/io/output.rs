@@ -1,5 +1,6 @@
 //! Output files appear whole or not at all: written beside their place, then renamed into it.
 
+use super::Format;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -31,6 +32,27 @@ pub enum WriteError {
     Exists {
         /// The file that was to be written.
         path: PathBuf,
+    },
+    /// The name does not tell a format.
+    #[error(
+        "cannot write {path:?}: its extension is none of those horma writes ({}); choose one",
+        Format::WRITTEN_EXTENSIONS
+    )]
+    UnknownExtension {
+        /// The file that was to be written.
+        path: PathBuf,
+    },
+    /// The format has no place for such a surface.
+    #[error("cannot write {path:?}: {format} cannot hold a {kind}; choose {remedy}")]
+    CannotHold {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The format.
+        format: Format,
+        /// What was to be written.
+        kind: &'static str,
+        /// The extensions that can.
+        remedy: &'static str,
     },
     /// The system refused: disk full, no permission.
     #[error("cannot write {path:?}: {source}; nothing was left behind")]

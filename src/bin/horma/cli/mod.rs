@@ -1,5 +1,8 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod convert;
+mod info;
+
 use crate::bar::Bar;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell as CompletionShell;
@@ -55,6 +58,10 @@ impl Shell {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Say what a part file holds: format, units, size, and whether its surface is whole.
+    Info(info::InfoArgs),
+    /// Convert a part from one format to another.
+    Convert(convert::ConvertArgs),
     /// Print shell completions.
     Completions {
         /// The shell to complete in.
@@ -69,6 +76,8 @@ impl Cli {
             rayon::ThreadPoolBuilder::new().num_threads(n_threads.get()).build_global()?;
         }
         match &self.command {
+            Command::Info(args) => info::run(args, &self.shell),
+            Command::Convert(args) => convert::run(args, &self.shell),
             Command::Completions { shell } => {
                 clap_complete::generate(
                     *shell,
