@@ -6,7 +6,9 @@ use crate::geom::{Point3, PointCloud, Surface, TriMesh, Vector3};
 use crate::io::fault::{Fault, Place};
 use crate::io::raw::{Raw, counted};
 use crate::io::source::Source;
-use gltf::mesh::Mode;
+use gltf::json::Root;
+use gltf::json::validation::Checked;
+use gltf::mesh::{Mode, Semantic};
 use nalgebra::{Matrix3, Matrix4};
 use std::path::Path;
 
@@ -47,10 +49,7 @@ fn read_chunk(source: &mut Source<'_>, kind: [u8; 4], what: &str) -> Result<Vec<
 }
 
 fn read_scene(json: &[u8], bin: Option<Vec<u8>>, folder: &Path) -> Result<Raw, Fault> {
-    let bom = b"\xef\xbb\xbf";
-    let document = gltf::Gltf::from_slice(json.strip_prefix(bom).unwrap_or(json))
-        .map_err(|error| Fault::malformed(Place::Part("the JSON"), error.to_string()))?
-        .document;
+    let document = document(json)?;
     let buffers = buffers::load(&document, bin, folder)?;
     // Instances multiply what the file holds; beyond this it is a bomb and no part.
     let n_bytes = json.len() + buffers.iter().map(Vec::len).sum::<usize>();
@@ -76,6 +75,24 @@ fn read_scene(json: &[u8], bin: Option<Vec<u8>>, folder: &Path) -> Result<Raw, F
         waiting.extend(children.into_iter().rev().map(|child| (child, world_from_node)));
     }
     Ok(Raw { metres_are_customary: true, ..scene.finish() })
+}
+
+/// The JSON, every index in it checked.
+fn document(json: &[u8]) -> Result<gltf::Document, Fault> {
+    let bad = |problem: String| Fault::malformed(Place::Part("the JSON"), problem);
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let root: Root = serde_json::from_slice(json).map_err(|error| bad(error.to_string()))?;
+    // The crate's own check looks this accessor up before it has checked that it is there.
+    let n_accessors = root.accessors.len();
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let positions = Checked::Valid(Semantic::Positions);
+    let lost = primitives
+        .filter_map(|primitive| primitive.attributes.get(&positions))
+        .find(|accessor| accessor.value() >= n_accessors);
+    if let Some(accessor) = lost {
+        return Err(bad(format!("positions in accessor {} of {n_accessors}", accessor.value())));
+    }
+    gltf::Document::from_json(root).map_err(|error| bad(error.to_string()))
 }
 
 /// What has been read so far.
@@ -135,7 +152,7 @@ impl<'a> Scene<'a> {
     ) -> Result<TriMesh, Fault> {
         let place = Place::Thing("mesh primitive", primitive.index() as u64);
         let accessor = primitive
-            .get(&gltf::Semantic::Positions)
+            .get(&Semantic::Positions)
             .ok_or_else(|| Fault::malformed(place, "it has no positions"))?;
         self.spend(accessor.count(), place)?;
         let points: Vec<Point3> = rows::<3>(&accessor, self.buffers)?
@@ -143,7 +160,7 @@ impl<'a> Scene<'a> {
             .map(|position| world_from_node.transform_point(&Point3::from(position)))
             .collect();
         let turn: Matrix3<f64> = world_from_node.fixed_view::<3, 3>(0, 0).into();
-        let normals = match (primitive.get(&gltf::Semantic::Normals), turn.try_inverse()) {
+        let normals = match (primitive.get(&Semantic::Normals), turn.try_inverse()) {
             (Some(accessor), Some(inverse)) => {
                 let rows = rows::<3>(&accessor, self.buffers)?;
                 let turn = inverse.transpose();
@@ -151,7 +168,7 @@ impl<'a> Scene<'a> {
             }
             _ => None,
         };
-        let colors = match primitive.get(&gltf::Semantic::Colors(0)) {
+        let colors = match primitive.get(&Semantic::Colors(0)) {
             Some(accessor) => Some(
                 rows::<3>(&accessor, self.buffers)?
                     .into_iter()
