@@ -135,6 +135,23 @@ fn node_transforms_are_applied_from_the_root_down() {
 }
 
 #[test]
+fn strips_and_fans_become_triangles_wound_alike() {
+    let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let bin = |order: [usize; 4]| -> Vec<u8> {
+        order.iter().flat_map(|&i| corners[i]).flat_map(f32::to_le_bytes).collect()
+    };
+    let (json, _) = triangle_scene(&json!([{ "mesh": 0 }]), &json!({ "byteLength": 48 }));
+    let json = json.replace("\"count\":3", "\"count\":4").replace(":36}", ":48}");
+    for (mode, order) in [(5, [0, 1, 3, 2]), (6, [0, 1, 2, 3])] {
+        let primitive = format!("{{\"mode\":{mode},\"attributes\"");
+        let json = json.replace("{\"attributes\"", &primitive);
+        let part = mesh(Folder::new().read("part.glb", glb(&json, &bin(order))));
+        let areas: Vec<f64> = (0..part.triangles.len()).map(|i| part.area_vector(i).z).collect();
+        assert_eq!(areas, [0.5, 0.5], "mode {mode}");
+    }
+}
+
+#[test]
 fn gltf_buffers_lie_beside_the_file_or_inside_it() {
     let folder = Folder::new();
     let nodes = json!([{ "mesh": 0 }]);

@@ -66,7 +66,7 @@ fn tobj_reads_what_we_write() {
     let part = painted_tetrahedron();
     let bytes = Folder::new().written("part.obj", &Surface::Mesh(part.clone()));
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    let none = |_: &std::path::Path| Ok((Vec::new(), Default::default()));
+    let none = |_: &std::path::Path| tobj::load_mtl_buf(&mut Cursor::new(""));
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, none).unwrap();
     let theirs = &models[0].mesh;
     // It numbers vertices in the order of the faces.
