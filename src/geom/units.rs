@@ -78,7 +78,10 @@ impl LengthUnit {
         let lower = comment.to_ascii_lowercase();
         let mut words = lower.split(|c: char| !c.is_ascii_alphabetic()).filter(|w| !w.is_empty());
         words.find(|word| matches!(*word, "unit" | "units"))?;
-        Self::called(words.next()?)
+        let first = words.find(|word| !matches!(*word, "is" | "are"))?;
+        // "units in mm" is no inch.
+        let second = words.next().filter(|_| first == "in").and_then(Self::called);
+        second.or_else(|| Self::called(first))
     }
 
     fn called(word: &str) -> Option<Self> {
@@ -142,6 +145,9 @@ mod tests {
         assert_eq!(LengthUnit::declared_in("# units mm"), Some(LengthUnit::Millimetre));
         assert_eq!(LengthUnit::declared_in("comment UNITS=Inches"), Some(LengthUnit::Inch));
         assert_eq!(LengthUnit::declared_in("File unit: m"), Some(LengthUnit::Metre));
+        assert_eq!(LengthUnit::declared_in("units in mm"), Some(LengthUnit::Millimetre));
+        assert_eq!(LengthUnit::declared_in("units are in inches"), Some(LengthUnit::Inch));
+        assert_eq!(LengthUnit::declared_in("units: in"), Some(LengthUnit::Inch));
         assert_eq!(LengthUnit::declared_in("made in Elda"), None);
         assert_eq!(LengthUnit::declared_in("units unknown"), None);
     }

@@ -24,8 +24,17 @@ pub enum Format {
     /// The Point Cloud Library's PCD; read only.
     Pcd,
     /// A point a line: XYZ, ASC, TXT, CSV.
+    ///
+    /// Columns are `x y z`, then what a line of names says (`nx ny nz`, `r g b`) or, without one,
+    /// what the values look like. Cells are apart by white space, commas or semicolons; lines that
+    /// begin with `#`, `//`, `;` or `%` are comments.
     Points,
-    /// Ordered sections as CSV, see [`super::sections`].
+    /// Ordered sections as CSV, in one of two forms.
+    ///
+    /// *Points*: a first line `# horma sections columns=N`, then `x,y,z` rows, N to a station,
+    /// station after station along the spindle. *Radii*: a line of names whose first cell is a word
+    /// (or empty) and whose others are the angles in degrees, then a row a station: its place along
+    /// X, and the radius at each angle a; the point is (x, r cos a, r sin a).
     Sections,
 }
 

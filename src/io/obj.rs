@@ -102,6 +102,12 @@ impl Obj {
             let corner = corner.ok_or_else(|| {
                 Fault::malformed(place, format!("{} where a face names a vertex", shown(word)))
             })?;
+            if corner < 0 {
+                let n_points = self.points.len();
+                let problem =
+                    format!("{} names none of the {n_points} vertices so far", shown(word));
+                return Err(Fault::malformed(place, problem));
+            }
             self.corners.push(corner);
             if let Some(normal) = parts.nth(1).and_then(|word| index(word, self.normals.len())) {
                 self.note_normal(corner, normal);
@@ -113,7 +119,7 @@ impl Obj {
 
     fn note_normal(&mut self, corner: i64, normal: i64) {
         // Out of range is told when the faces are checked; the table grows with the vertices only.
-        let Ok(corner) = usize::try_from(corner) else { return };
+        let corner = corner as usize;
         if corner >= self.points.len() {
             self.has_many_normals = true;
             return;
@@ -273,8 +279,8 @@ mod tests {
         for (line, message) in [
             ("v 1 two 3", "line 5: \"two\" where a number must be"),
             ("f 1 2 5", "line 5: a face names vertex 5, but there are only 4 (counted from 1)"),
-            ("f 1 2 0", "line 5: a face names vertex 0, but"),
-            ("f 1 2 -5", "line 5: a face names vertex 0, but"),
+            ("f 1 2 0", "line 5: \"0\" names none of the 4 vertices so far"),
+            ("f 1 2 -5", "line 5: \"-5\" names none of the 4 vertices so far"),
             ("f 1 2 99999999999", "line 5: a face names vertex 99999999999, but"),
             ("f 1 2 x", "line 5: \"x\" where a face names a vertex"),
         ] {
