@@ -3,18 +3,26 @@
 mod aabb;
 mod cloud;
 mod mesh;
+mod polygon;
 mod sections;
 pub mod shapes;
 mod surface;
+mod topology;
 mod tree;
+mod units;
+mod weld;
 
 pub use aabb::Aabb;
 pub use cloud::PointCloud;
 pub use mesh::TriMesh;
+pub use polygon::Polygons;
 pub use sections::SectionGrid;
 pub use surface::Surface;
+pub use topology::{MeshReport, topology};
 pub use tree::PatchTree;
 pub(crate) use tree::{Child, Lanes, Node};
+pub use units::{LengthUnit, UnitSource};
+pub use weld::weld;
 
 /// A point in space [mm].
 pub type Point3 = nalgebra::Point3<f64>;

@@ -1,4 +1,7 @@
 //! Files in and out.
+//!
+//! [`read_surface`] tells a format by what a file holds, settles its unit and refuses what is no
+//! surface; one file per format holds its reader and writer. [`write_surface`] goes by the name.
 
 mod machine;
 mod output;
@@ -12,3 +15,22 @@ pub use output::{Overwrite, WriteError, write_file};
 pub use output_set::OutputSet;
 pub use target::is_standard_output;
 pub use unfinished::abandon_unfinished;
+mod faces;
+mod fault;
+mod format;
+mod gltf;
+mod obj;
+mod pcd;
+mod ply;
+mod points;
+mod raw;
+mod read;
+mod sections;
+mod source;
+mod stl;
+mod write;
+
+pub use fault::{Fault, Place, ReadError};
+pub use format::Format;
+pub use read::{Reading, read_surface};
+pub use write::{write_surface, write_surface_as};

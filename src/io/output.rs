@@ -4,7 +4,7 @@
 //! bytes as they come, since nothing can take them back. Several files that belong together go
 //! through an [`OutputSet`](super::OutputSet).
 
-use super::OutputSet;
+use super::{Format, OutputSet};
 use crate::progress::Cancelled;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -42,6 +42,27 @@ pub enum WriteError {
     Exists {
         /// The file that was to be written.
         path: PathBuf,
+    },
+    /// The name does not tell a format.
+    #[error(
+        "cannot write {path:?}: its extension is none of those horma writes ({}); choose one",
+        Format::WRITTEN_EXTENSIONS
+    )]
+    UnknownExtension {
+        /// The file that was to be written.
+        path: PathBuf,
+    },
+    /// The format has no place for such a surface.
+    #[error("cannot write {path:?}: {format} cannot hold a {kind}; choose {remedy}")]
+    CannotHold {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The format.
+        format: Format,
+        /// What was to be written.
+        kind: &'static str,
+        /// The extensions that can.
+        remedy: &'static str,
     },
     /// The system refused: disk full, no permission.
     #[error("cannot write {path:?}: {source}{}", remedy(source))]

@@ -1,11 +1,15 @@
 //! What crosses modules, in one binary.
 
+mod bad_files;
 mod command;
 mod docs;
+mod formats;
 mod layers;
 mod licences;
 mod machine_files;
 mod machines;
+mod oracles;
 mod output;
+mod parts;
 mod shapes;
 mod source;

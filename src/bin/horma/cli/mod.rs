@@ -1,5 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod convert;
+mod info;
 mod machine;
 mod shell;
 mod table;
@@ -41,6 +43,10 @@ const EXIT_CODES: &str = "Exit codes:
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Say what a part file holds: format, units, size, and whether its surface is whole.
+    Info(info::InfoArgs),
+    /// Convert a part from one format to another.
+    Convert(convert::ConvertArgs),
     Machine(machine::MachineArgs),
     Tool(tool::ToolArgs),
     /// Print shell completions.
@@ -58,6 +64,8 @@ impl Cli {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         self.shell.start_threads()?;
         match &self.command {
+            Command::Info(args) => info::run(args, &self.shell),
+            Command::Convert(args) => convert::run(args, &self.shell),
             Command::Machine(args) => machine::run(args, &self.shell),
             Command::Tool(args) => tool::run(args, &self.shell),
             Command::Completions { shell } => completions(*shell),

@@ -1,0 +1,179 @@
+//! From PLY elements to a mesh or a cloud.
+
+use super::header::{Element, Header};
+use super::values::Values;
+use crate::geom::{Point3, PointCloud, Surface, TriMesh, Vector3};
+use crate::io::faces::Faces;
+use crate::io::fault::Fault;
+use crate::io::raw::Raw;
+use crate::io::source::Source;
+
+/// Reads a PLY file; without faces it is a cloud.
+pub(in crate::io) fn read(source: &mut Source<'_>) -> Result<Raw, Fault> {
+    let header = Header::read(source)?;
+    let mut values = Values::new(source, header.encoding);
+    let mut cloud = PointCloud::default();
+    let mut faces = Faces::default();
+    let mut notes = Vec::new();
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => cloud = read_vertices(&mut values, element)?,
+            "face" => read_faces(&mut values, element, &mut faces)?,
+            other => {
+                skip(&mut values, element)?;
+                notes.push(format!("{} of the element {other:?} left out", element.claimed));
+            }
+        }
+    }
+    let surface = if faces.is_empty() {
+        Surface::Points(cloud)
+    } else {
+        let mesh = faces.into_mesh(cloud.points, 0)?;
+        Surface::Mesh(TriMesh { normals: cloud.normals, colors: cloud.colors, ..mesh })
+    };
+    Ok(Raw { declared: header.declared, notes, ..Raw::new(surface) })
+}
+
+fn read_vertices(values: &mut Values<'_, '_>, element: &Element) -> Result<PointCloud, Fault> {
+    let three = |names: [&[&str]; 3]| {
+        let [a, b, c] = names.map(|names| element.position(names));
+        Some([a?, b?, c?])
+    };
+    let Some(position) = three([&["x"], &["y"], &["z"]]) else {
+        return Err(Fault::malformed(values.place(), "the element \"vertex\" has no x, y and z"));
+    };
+    let normal = three([&["nx", "normal_x"], &["ny", "normal_y"], &["nz", "normal_z"]]);
+    let color = three([
+        &["red", "r", "diffuse_red"],
+        &["green", "g", "diffuse_green"],
+        &["blue", "b", "diffuse_blue"],
+    ]);
+    let n_points = values.count(element)?;
+    let mut cloud = PointCloud {
+        points: Vec::with_capacity(n_points),
+        normals: normal.map(|_| Vec::with_capacity(n_points)),
+        colors: color.map(|_| Vec::with_capacity(n_points)),
+    };
+    let mut row = vec![0.0; element.properties.len()];
+    for _ in 0..n_points {
+        values.read_element(element, &mut row, None, &mut Vec::new())?;
+        cloud.points.push(Point3::from(position.map(|i| row[i])));
+        if let (Some(normal), Some(normals)) = (normal, &mut cloud.normals) {
+            normals.push(Vector3::from(normal.map(|i| row[i])));
+        }
+        if let (Some(color), Some(colors)) = (color, &mut cloud.colors) {
+            colors.push(color.map(|i| {
+                let full = if element.properties[i].item.is_integer() { 1.0 } else { 255.0 };
+                (row[i] * full).round() as u8
+            }));
+        }
+    }
+    Ok(cloud)
+}
+
+fn read_faces(
+    values: &mut Values<'_, '_>,
+    element: &Element,
+    faces: &mut Faces,
+) -> Result<(), Fault> {
+    let i_list = element.properties.iter().position(|property| {
+        property.length.is_some()
+            && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+    });
+    if i_list.is_none() {
+        return Err(Fault::malformed(
+            values.place(),
+            "the element \"face\" has no list vertex_indices",
+        ));
+    }
+    let mut row = vec![0.0; element.properties.len()];
+    let mut corners = Vec::new();
+    for _ in 0..values.count(element)? {
+        values.read_element(element, &mut row, i_list, &mut corners)?;
+        faces.push(&corners, values.place());
+    }
+    Ok(())
+}
+
+fn skip(values: &mut Values<'_, '_>, element: &Element) -> Result<(), Fault> {
+    let mut row = vec![0.0; element.properties.len()];
+    for _ in 0..values.count(element)? {
+        values.read_element(element, &mut row, None, &mut Vec::new())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ply(body: &str) -> Result<Raw, Fault> {
+        let text = format!("ply\n{body}");
+        read(&mut Source::new(&mut text.as_bytes(), text.len() as u64))
+    }
+
+    const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
+
+    #[test]
+    fn unknown_elements_are_passed_over_and_told() {
+        let raw = ply(&format!(
+            "format ascii 1.0\nobj_info is_mesh 0\ncomment units: m\nelement vertex 1\n{VERTEX}\
+             element range_grid 2\nproperty list uchar int vertex_indices\nend_header\n\
+             1 2 3 \n0\n1 0\n"
+        ))
+        .unwrap();
+        assert_eq!(raw.surface.points(), [Point3::new(1.0, 2.0, 3.0)]);
+        assert_eq!(raw.notes, ["2 of the element \"range_grid\" left out"]);
+        assert_eq!(raw.declared, Some(crate::geom::LengthUnit::Metre));
+    }
+
+    #[test]
+    fn colours_run_to_255_or_to_1_by_their_type() {
+        for (kind, text) in [("uchar", "255 0 51"), ("float", "1 0 0.2")] {
+            let raw = ply(&format!(
+                "format ascii 1.0\nelement vertex 1\n{VERTEX}property {kind} red\nproperty {kind} \
+                 green\nproperty {kind} blue\nend_header\n1 2 3 {text}\n"
+            ));
+            let Surface::Points(cloud) = raw.unwrap().surface else { panic!("a cloud") };
+            assert_eq!(cloud.colors, Some(vec![[255, 0, 51]]));
+        }
+    }
+
+    #[test]
+    fn faults_name_line_and_value() {
+        let head = format!("format ascii 1.0\nelement vertex 2\n{VERTEX}");
+        for (body, message) in [
+            ("element vertex many\n".to_owned(), "line 2: \"element vertex many\" is no PLY"),
+            ("end_header\n".to_owned(), "line 2: the header has no format line"),
+            (head.clone(), "ends at line 6, in the middle of the header"),
+            (format!("{head}end_header\n1 2 3\n10 20\n"), "line 9: \"\" where a number must be"),
+            (format!("{head}end_header\n1 2 3\n1 2 3 4\n"), "line 9: \"4\" is more than"),
+            (
+                format!(
+                    "{head}element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                         1 2 3\n4 5 6\n3 0 1 2\n"
+                ),
+                "line 12: a face names vertex 2, but there are only 2 (counted from 0)",
+            ),
+            (
+                format!(
+                    "{head}element face 1\nproperty list char int vertex_indices\nend_header\n\
+                         1 2 3\n4 5 6\n-3 0 1 2\n"
+                ),
+                "line 12: a list \"vertex_indices\" of length -3",
+            ),
+        ] {
+            let error = ply(&body).map(|_| ()).unwrap_err().to_string();
+            assert!(error.contains(message), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_element_without_properties_cannot_keep_the_reader_busy() {
+        let body = format!(
+            "format binary_little_endian 1.0\nelement nothing 18446744073709551615\n\
+             element vertex 0\n{VERTEX}end_header\n"
+        );
+        assert!(ply(&body).unwrap().surface.points().is_empty());
+    }
+}
