@@ -3,34 +3,33 @@
 //! [`read_surface`] tells a format by what a file holds, settles its unit and refuses what is no
 //! surface; one file per format holds its reader and writer. [`write_surface`] goes by the name.
 
-mod machine;
-mod output;
-mod output_set;
-pub mod report;
-mod target;
-mod unfinished;
-
-pub use machine::{DescriptionError, read_machine, read_machine_text, read_tools};
-pub use output::{Overwrite, WriteError, write_file};
-pub use output_set::OutputSet;
-pub use target::is_standard_output;
-pub use unfinished::abandon_unfinished;
 mod faces;
 mod fault;
 mod format;
 mod gltf;
+mod machine;
 mod obj;
+mod output;
+mod output_set;
 mod pcd;
 mod ply;
 mod points;
 mod raw;
 mod read;
+pub mod report;
 mod sections;
 mod source;
 mod stl;
+mod target;
+mod unfinished;
 mod write;
 
 pub use fault::{Fault, Place, ReadError};
 pub use format::Format;
+pub use machine::{DescriptionError, read_machine, read_machine_text, read_tools};
+pub use output::{Overwrite, WriteError, write_file};
+pub use output_set::OutputSet;
 pub use read::{Reading, read_surface};
+pub use target::is_standard_output;
+pub use unfinished::abandon_unfinished;
 pub use write::{write_surface, write_surface_as};
