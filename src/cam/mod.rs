@@ -1,7 +1,15 @@
 //! From a part on a machine to a toolpath.
 
+mod clamps;
 mod digitize;
+mod reach;
+mod setup;
 mod toolpath;
+mod trajectory;
 
+pub use clamps::ClampError;
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
+pub use reach::{Place, ReachReport, reach};
+pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};
 pub use toolpath::{Move, Pace, Toolpath};
+pub use trajectory::{Spacing, Strategy, Trajectory, TrajectoryError};

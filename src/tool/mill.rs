@@ -62,6 +62,12 @@ impl Mill {
         Self { corner, flank: Some(flank), radius: radius + allowance }
     }
 
+    /// The radius of a mill that is a ball and nothing else.
+    pub fn ball_radius(&self) -> Option<f64> {
+        let is_ball = self.corner.center == 0.0 && self.flank.is_none();
+        is_ball.then_some(self.corner.radius)
+    }
+
     /// `u`, `u'` and `u''` at a distance from the axis.
     #[inline(always)]
     fn profile(&self, rho: f64) -> Jet {
@@ -191,8 +197,7 @@ impl HeightFunction for Mill {
 
     // Only a ball bends everywhere.
     fn least_bend(&self) -> [f64; 2] {
-        let is_ball = self.corner.center == 0.0 && self.flank.is_none();
-        [if is_ball { 1.0 / self.corner.radius } else { 0.0 }; 2]
+        [self.ball_radius().map_or(0.0, |radius| 1.0 / radius); 2]
     }
 
     fn reach(&self) -> Reach {

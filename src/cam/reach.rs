@@ -1,0 +1,230 @@
+//! What of the part the tool can reach at all, whatever the trajectory: undercuts along the attack
+//! axis, and hollows too narrow for the tool.
+//!
+//! Every triangle is laid under the tool so that the tool would touch it in its middle, and the
+//! tool is brought down: where something else holds it off, it stays off by that much. On a machine
+//! with a spindle the pose follows in closed form for tools that look the same from all around the
+//! spindle (wheel, ball): the centre of the tool lies on the contact's normal and must be turned
+//! into the attack plane. Other tools are turned so that the normal faces them.
+
+use super::digitize::{Contact, Digitizer};
+use crate::geom::{Point3, Pose, TriMesh, Vector3};
+use crate::machine::Machine;
+use crate::progress::{Cancelled, Progress};
+use crate::tool::{Cutter, HeightFunction};
+use nalgebra::{Rotation3, Translation3, UnitQuaternion};
+use serde::Serialize;
+
+/// A tool this much off the surface still counts as touching it [mm]: facets stand for a smooth
+/// surface.
+const TOUCHES: f64 = 0.02;
+/// A facet less open to the tool than this is seen edge-on: rounding of its normal.
+const EDGE_ON: f64 = 1e-9;
+/// At most this many triangles are tried, evenly picked.
+const MOST_TRIANGLES: usize = 100_000;
+
+/// How much of the part's surface the tool can and cannot touch.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct ReachReport {
+    /// The whole surface [mm2].
+    pub area: f64,
+    /// Turned away from the tool in every pose that would bring it there [mm2].
+    pub undercut: f64,
+    /// In hollows the tool is too large for [mm2].
+    pub hollow: f64,
+    /// Under a clamp or its neighbourhood [mm2].
+    pub clamped: f64,
+    /// The most that stays on a hollow, along its normal [mm].
+    pub deepest: f64,
+    /// The places tried, for the map; not in files.
+    #[serde(skip)]
+    pub places: Vec<Place>,
+}
+
+/// One place of the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Where, in the part's frame on the machine [mm].
+    pub point: Point3,
+    /// How far the tool stays off along the normal [mm]; infinite on an undercut.
+    pub off: f64,
+}
+
+/// Tries every triangle of the first `n_own` of `mesh`; the others are clamps.
+pub fn reach(
+    digitizer: &Digitizer,
+    machine: &Machine,
+    mesh: &TriMesh,
+    n_own: usize,
+    progress: &dyn Progress,
+) -> Result<ReachReport, Cancelled> {
+    let stride = n_own.div_ceil(MOST_TRIANGLES).max(1);
+    let tried: Vec<usize> = (0..n_own).step_by(stride).collect();
+    let poses: Vec<Option<Facing>> =
+        tried.iter().map(|&i| Facing::of(mesh, i, machine, &digitizer.cutter)).collect();
+    // An undercut is digitized too, at rest, and its answer not looked at.
+    let pose = |i: usize| poses[i].map_or_else(Pose::identity, |facing| facing.attack_from_part);
+    let contacts = digitizer.run(tried.len(), pose, progress)?;
+    let mut report = ReachReport::empty(tried.len());
+    for ((&i, facing), contact) in tried.iter().zip(&poses).zip(&contacts) {
+        let area = mesh.area_vector(i).norm();
+        let [a, b, c] = mesh.corners(i);
+        let point = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        report.add(area, point, facing.as_ref(), contact.as_ref(), n_own);
+    }
+    report.scale_to((0..n_own).map(|i| mesh.area_vector(i).norm()).sum());
+    Ok(report)
+}
+
+impl ReachReport {
+    fn empty(n_places: usize) -> Self {
+        let places = Vec::with_capacity(n_places);
+        Self { area: 0.0, undercut: 0.0, hollow: 0.0, clamped: 0.0, deepest: 0.0, places }
+    }
+
+    fn add(
+        &mut self,
+        area: f64,
+        point: Point3,
+        facing: Option<&Facing>,
+        contact: Option<&Contact>,
+        n_own: usize,
+    ) {
+        self.area += area;
+        let off = match (facing, contact) {
+            (Some(facing), Some(contact)) => {
+                let off = ((contact.height - facing.height) * facing.normal_y).max(0.0);
+                if off > TOUCHES && n_own <= contact.primitive as usize {
+                    self.clamped += area;
+                } else if off > TOUCHES {
+                    self.hollow += area;
+                    self.deepest = self.deepest.max(off);
+                }
+                off
+            }
+            _ => {
+                self.undercut += area;
+                f64::INFINITY
+            }
+        };
+        self.places.push(Place { point, off });
+    }
+
+    /// The triangles left out are like those tried.
+    fn scale_to(&mut self, area: f64) {
+        let scale = if self.area > 0.0 { area / self.area } else { 0.0 };
+        for part in [&mut self.area, &mut self.undercut, &mut self.hollow, &mut self.clamped] {
+            *part *= scale;
+        }
+    }
+}
+
+/// The pose that brings the middle of a triangle under the tool.
+#[derive(Debug, Clone, Copy)]
+struct Facing {
+    attack_from_part: Pose,
+    /// Attack height at which the tool would touch the triangle's middle [mm].
+    height: f64,
+    /// Slope of the triangle there: 1 faces the tool.
+    normal_y: f64,
+}
+
+impl Facing {
+    /// `None` for an undercut, and for a triangle without area.
+    fn of(mesh: &TriMesh, i: usize, machine: &Machine, cutter: &Cutter) -> Option<Self> {
+        let normal = mesh.area_vector(i).try_normalize(0.0)?;
+        let [a, b, c] = mesh.corners(i);
+        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let rest = machine.axes.iter().map(|axis| axis.word(0.0));
+        let mut words = [0.0; crate::machine::MAX_AXES];
+        for (word, value) in words.iter_mut().zip(rest) {
+            *word = value;
+        }
+        let at_rest = machine.attack_from_part(&words);
+        let (point, normal) = (at_rest * middle, at_rest * normal);
+        let turn = match machine.spindle {
+            Some(_) => turn_under(&point, &normal, cutter),
+            None => Rotation3::identity(),
+        };
+        let (point, normal) = (turn * point, turn * normal);
+        if normal.y < EDGE_ON {
+            return None;
+        }
+        let support = match cutter {
+            Cutter::Wheel(wheel) => wheel.support(&normal),
+            Cutter::Mill(mill) => mill.support(&normal),
+        };
+        let programmed = point - support;
+        let shift = Translation3::new(-programmed.x, 0.0, -programmed.z);
+        let turn = Pose::from_parts(Translation3::identity(), UnitQuaternion::from(turn));
+        Some(Self {
+            attack_from_part: shift * turn * at_rest,
+            height: programmed.y,
+            normal_y: normal.y,
+        })
+    }
+}
+
+/// The turn about x that brings the tool's centre, out on the normal of the contact, into the attack
+/// plane z = 0 on the attack side.
+fn turn_under(point: &Point3, normal: &Vector3, cutter: &Cutter) -> Rotation3<f64> {
+    let out = match cutter {
+        Cutter::Wheel(wheel) => {
+            let turned = normal.y.hypot(normal.z);
+            if turned == 0.0 { 0.0 } else { wheel.minor + wheel.major / turned }
+        }
+        // Far out: the normal itself is turned to face the tool. A ball's centre is near enough
+        // to the spindle's own distance for its radius to count.
+        Cutter::Mill(mill) => mill.ball_radius().unwrap_or(1e6),
+    };
+    let (y, z) = (point.y + out * normal.y, point.z + out * normal.z);
+    Rotation3::from_axis_angle(&Vector3::x_axis(), -z.atan2(y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::digitize::{Method, Part};
+    use super::*;
+    use crate::geom::{Aabb, shapes};
+    use crate::progress::Silent;
+    use crate::tool::Profile;
+
+    fn reach_of(mesh: &TriMesh, machine: &str, profile: Profile) -> ReachReport {
+        let part = Part::triangles(mesh);
+        let cutter = profile.cutter(0.0);
+        let digitizer = Digitizer { part: &part, cutter, method: Method::Indexed };
+        let machine = Machine::builtin(machine).unwrap();
+        reach(&digitizer, &machine, mesh, mesh.triangles.len(), &Silent).unwrap()
+    }
+
+    const WHEEL: Profile = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 };
+
+    #[test]
+    fn a_wheel_reaches_all_of_a_ball() {
+        let ball = shapes::sphere(&Point3::new(60.0, 0.0, 0.0), 40.0, 64);
+        let report = reach_of(&ball, "last-lathe", WHEEL);
+        assert!(report.hollow + report.undercut < 0.01 * report.area, "{report:?}");
+    }
+
+    #[test]
+    fn on_a_table_the_underside_is_an_undercut() {
+        let cube = shapes::cuboid(&Aabb { min: Point3::origin(), max: Point3::new(9.0, 9.0, 9.0) });
+        let report = reach_of(&cube, "mill-3axis", Profile::Ball { radius: 3.0 });
+        assert!((report.area - 6.0 * 81.0).abs() < 1e-9);
+        // The underside and, seen edge-on, the four walls.
+        assert!((report.undercut - 5.0 * 81.0).abs() < 1e-9, "{}", report.undercut);
+    }
+
+    #[test]
+    fn a_groove_narrower_than_the_wheel_is_a_hollow() {
+        let mut part = shapes::stub(64, 40.0, 0.0, 50.0);
+        part.append(shapes::stub(64, 20.0, 50.0, 60.0));
+        part.append(shapes::stub(64, 40.0, 60.0, 110.0));
+        // The floor of the groove is two triangles a side over its whole width: finer, to be tried
+        // in its middle.
+        let report = reach_of(&shapes::subdivide(&part), "last-lathe", WHEEL);
+        assert!(report.hollow > 0.9 * std::f64::consts::TAU * 20.0 * 10.0, "{}", report.hollow);
+        assert!(report.deepest > 15.0, "{}", report.deepest);
+    }
+}

@@ -1,0 +1,359 @@
+//! Setting up the part: where it stands on the machine, and what holds it.
+//!
+//! On a machine with a spindle the part's long axis is laid on the spindle axis, its heel end at
+//! the distance the clamping asks for; on a table it stands as it is, centred. What holds the part
+//! is added as further surface ("virtually added parts", Morell 2014, 1.4.2.2): digitizing takes
+//! the highest touch of all pieces, so no boolean is needed.
+
+use super::clamps::{self, ClampError};
+use crate::geom::{Aabb, Matrix3, Point3, Pose, Surface, TriMesh, Vector3};
+use crate::machine::Machine;
+use nalgebra::{Rotation3, SymmetricEigen, Translation3, Unit, UnitQuaternion};
+use std::str::FromStr;
+
+/// How the part is laid on the machine.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SetupOptions {
+    /// The part's direction that is laid along the spindle, heel to toe.
+    pub axis: SpindleAxis,
+    /// Swap heel and toe.
+    pub flip: bool,
+    /// Which point is laid on the spindle axis.
+    pub centre: Centre,
+    /// Turn of the part about the spindle before the first step [rad].
+    pub start_angle: f64,
+    /// Cut the mirror image: the other foot.
+    pub mirror: bool,
+}
+
+/// The part's direction that is laid along the spindle.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum SpindleAxis {
+    /// The principal axis of greatest extent, pointing the way its largest coordinate grows.
+    #[default]
+    Auto,
+    /// A direction in the part's own frame.
+    Along(Vector3),
+}
+
+/// Which point of the part is laid on the spindle axis (or over the middle of a table).
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Centre {
+    /// The centroid of the surface.
+    #[default]
+    Centroid,
+    /// The middle of the bounding box.
+    Box,
+    /// The origin of the file: it was set up before.
+    Origin,
+}
+
+/// A part on its machine, with all that holds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// The part, then its clamps, in the machine's part frame.
+    pub surface: Surface,
+    /// How many of the triangles (or points) are the part's own; the rest are clamps.
+    pub n_own: usize,
+    /// The part alone [mm].
+    pub part: Aabb,
+    /// Greatest distance of the part from the spindle axis [mm]; 0 without a spindle.
+    pub swing: f64,
+    /// The part's frame on the machine from the frame of the file (after mirroring).
+    pub machine_from_file: Pose,
+    /// The stretch of X the part and its clamps take up [mm].
+    pub stretch: [f64; 2],
+}
+
+/// Why a part cannot be set up.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// There is nothing to set up.
+    #[error("the part has no extent; it needs at least one triangle or point")]
+    Empty,
+    /// The direction given is no direction.
+    #[error(
+        "the spindle axis {0} has no length; give x, y, z or three numbers such as \"1 0 0.2\""
+    )]
+    NoAxis(String),
+    /// It cannot be held.
+    #[error(transparent)]
+    Clamp(#[from] ClampError),
+}
+
+impl FromStr for SpindleAxis {
+    type Err = SetupError;
+
+    /// `auto`, `x`, `y`, `z`, each with a sign, or three numbers.
+    fn from_str(text: &str) -> Result<Self, SetupError> {
+        let (sign, name) = match text.strip_prefix('-') {
+            Some(rest) if rest.len() == 1 => (-1.0, rest),
+            _ => (1.0, text.strip_prefix('+').unwrap_or(text)),
+        };
+        let axis = match name {
+            "auto" => return Ok(Self::Auto),
+            "x" | "X" => Vector3::x(),
+            "y" | "Y" => Vector3::y(),
+            "z" | "Z" => Vector3::z(),
+            _ => {
+                let parts = text.split([' ', ',']).filter(|part| !part.is_empty());
+                let numbers: Vec<f64> = parts.filter_map(|part| part.parse().ok()).collect();
+                match numbers[..] {
+                    [x, y, z] => Vector3::new(x, y, z),
+                    _ => Vector3::zeros(),
+                }
+            }
+        };
+        let length = axis.norm();
+        if length > 0.0 && length.is_finite() {
+            Ok(Self::Along(axis * (sign / length)))
+        } else {
+            Err(SetupError::NoAxis(format!("{text:?}")))
+        }
+    }
+}
+
+/// Lays `surface` on `machine`.
+pub fn set_up(
+    surface: Surface,
+    machine: &Machine,
+    options: &SetupOptions,
+) -> Result<Setup, SetupError> {
+    let surface = if options.mirror { mirrored(surface) } else { surface };
+    let Some(spread) = Spread::of(&surface) else { return Err(SetupError::Empty) };
+    let turn = match machine.spindle {
+        Some(_) => turn_onto_spindle(&spread, options),
+        None => Rotation3::from_axis_angle(&Vector3::z_axis(), options.start_angle),
+    };
+    let turned = moved(surface, &Pose::from_parts(Translation3::identity(), turn.into()));
+    let place = place(&turned, machine, &(turn * spread.centroid), options.centre);
+    let machine_from_file = Pose::from_parts(place, turn.into());
+    let mut surface = moved(turned, &Pose::from_parts(place, UnitQuaternion::identity()));
+    let part = surface.aabb();
+    let line = spindle_line(machine);
+    let swing = match machine.spindle {
+        Some(_) => farthest(&surface, &line),
+        None => 0.0,
+    };
+    let n_own = match &surface {
+        Surface::Mesh(mesh) => mesh.triangles.len(),
+        other => other.points().len(),
+    };
+    let clamps = clamps::around(&surface, &machine.clamping, &line)?;
+    let stretch = clamps
+        .iter()
+        .flat_map(|clamp| &clamp.points)
+        .fold([part.min.x, part.max.x], |[low, high], p| [low.min(p.x), high.max(p.x)]);
+    for clamp in clamps {
+        add_clamp(&mut surface, clamp);
+    }
+    Ok(Setup { surface, n_own, part, swing, machine_from_file, stretch })
+}
+
+/// A point of the spindle axis; the middle of the table where there is no spindle.
+fn spindle_line(machine: &Machine) -> Point3 {
+    machine.spindle.map_or_else(Point3::origin, |index| machine.axes[index].point)
+}
+
+/// The rotation that lays the chosen axis along X, rolls the part as little as that allows (its Z
+/// stays as near to Z as it can), then turns it by the start angle.
+fn turn_onto_spindle(spread: &Spread, options: &SetupOptions) -> Rotation3<f64> {
+    let along = match options.axis {
+        SpindleAxis::Auto => spread.principal_axis(),
+        SpindleAxis::Along(axis) => axis,
+    };
+    let x = if options.flip { -along } else { along };
+    let up = if x.z.abs() < 0.999 { Vector3::z() } else { Vector3::y() };
+    let z = (up - x * x.dot(&up)).normalize();
+    let y = z.cross(&x);
+    let onto = Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
+    Rotation3::from_axis_angle(&Vector3::x_axis(), options.start_angle)
+        * Rotation3::from_matrix_unchecked(onto)
+}
+
+/// Where the turned part goes.
+fn place(
+    turned: &Surface,
+    machine: &Machine,
+    centroid: &Point3,
+    centre: Centre,
+) -> Translation3<f64> {
+    let aabb = turned.aabb();
+    let middle = match centre {
+        Centre::Centroid => *centroid,
+        Centre::Box => aabb.center(),
+        Centre::Origin => Point3::origin(),
+    };
+    let line = spindle_line(machine);
+    match machine.spindle {
+        Some(_) => Translation3::new(
+            machine.clamping.heel_distance() - aabb.min.x,
+            line.y - middle.y,
+            line.z - middle.z,
+        ),
+        None if centre == Centre::Origin => Translation3::identity(),
+        // The part stands on the table, its lowest point at height 0.
+        None => Translation3::new(-middle.x, -middle.y, -aabb.min.z),
+    }
+}
+
+fn mirrored(surface: Surface) -> Surface {
+    match surface {
+        Surface::Mesh(mesh) => Surface::Mesh(mesh.mirrored()),
+        Surface::Points(mut cloud) => {
+            for point in &mut cloud.points {
+                point.y = -point.y;
+            }
+            for normal in cloud.normals.iter_mut().flatten() {
+                normal.y = -normal.y;
+            }
+            Surface::Points(cloud)
+        }
+        Surface::Sections(grid) => Surface::Mesh(grid.to_mesh().mirrored()),
+    }
+}
+
+fn moved(surface: Surface, pose: &Pose) -> Surface {
+    match surface {
+        Surface::Mesh(mesh) => Surface::Mesh(mesh.moved(pose)),
+        Surface::Points(mut cloud) => {
+            for point in &mut cloud.points {
+                *point = pose * *point;
+            }
+            for normal in cloud.normals.iter_mut().flatten() {
+                *normal = pose.rotation * *normal;
+            }
+            Surface::Points(cloud)
+        }
+        Surface::Sections(grid) => Surface::Mesh(grid.to_mesh().moved(pose)),
+    }
+}
+
+/// A clamp as triangles, or, under a cloud, as the points that bound it.
+fn add_clamp(surface: &mut Surface, clamp: TriMesh) {
+    match surface {
+        Surface::Mesh(mesh) => mesh.append(clamp),
+        Surface::Points(cloud) => {
+            cloud.points.extend(clamps::sampled(&clamp));
+            cloud.normals = None;
+            cloud.colors = None;
+        }
+        Surface::Sections(_) => {}
+    }
+}
+
+fn farthest(surface: &Surface, line: &Point3) -> f64 {
+    let points = surface.points().iter();
+    points.map(|p| (p.y - line.y).hypot(p.z - line.z)).fold(0.0, f64::max)
+}
+
+/// Where a surface lies and how it spreads.
+struct Spread {
+    centroid: Point3,
+    covariance: Matrix3,
+}
+
+impl Spread {
+    /// Of triangles by area, of points by number; `None` of nothing.
+    fn of(surface: &Surface) -> Option<Self> {
+        match surface {
+            Surface::Mesh(mesh) => {
+                let weighted = |i: usize| (mesh.corners(i), mesh.area_vector(i).norm());
+                Self::of_weighted((0..mesh.triangles.len()).map(weighted))
+            }
+            _ => Self::of_weighted(surface.points().iter().map(|&p| ([p; 3], 1.0))),
+        }
+    }
+
+    // Over a triangle of corners a, b, c about any origin the mean of p p^T is
+    // (a a^T + b b^T + c c^T + (a + b + c)(a + b + c)^T) / 12.
+    fn of_weighted(pieces: impl Iterator<Item = ([Point3; 3], f64)> + Clone) -> Option<Self> {
+        let sum = |corners: [Vector3; 3]| corners[0] + corners[1] + corners[2];
+        let total: f64 = pieces.clone().map(|(_, weight)| weight).sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let mean = |corners: [Point3; 3]| sum(corners.map(|p| p.coords)) / 3.0;
+        let moment: Vector3 = pieces.clone().map(|(corners, weight)| mean(corners) * weight).sum();
+        let centroid = moment / total;
+        let covariance = pieces.fold(Matrix3::zeros(), |covariance, (corners, weight)| {
+            let out = corners.map(|p| p.coords - centroid);
+            let squares: Matrix3 = out.iter().map(|v| v * v.transpose()).sum();
+            let all = sum(out);
+            covariance + (squares + all * all.transpose()) * (weight / total / 12.0)
+        });
+        Some(Self { centroid: centroid.into(), covariance })
+    }
+
+    fn principal_axis(&self) -> Vector3 {
+        let eigen = SymmetricEigen::new(self.covariance);
+        let axis: Vector3 = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into();
+        let axis = Unit::new_normalize(axis).into_inner();
+        axis * axis[axis.iamax()].signum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::shapes;
+
+    fn lathe() -> Machine {
+        Machine::builtin("last-lathe").unwrap()
+    }
+
+    fn rod() -> Surface {
+        let rod = shapes::cuboid(&Aabb {
+            min: Point3::new(-10.0, 0.0, -100.0),
+            max: Point3::new(10.0, 30.0, 100.0),
+        });
+        Surface::Mesh(rod)
+    }
+
+    #[test]
+    fn the_longest_axis_goes_on_the_spindle_with_room_for_the_stub() {
+        let setup = set_up(rod(), &lathe(), &SetupOptions::default()).unwrap();
+        assert!((setup.part.min.x - 25.0).abs() < 1e-9);
+        assert!((setup.part.max.x - 225.0).abs() < 1e-9);
+        assert!((setup.swing - 10_f64.hypot(15.0)).abs() < 1e-9);
+        assert!((setup.stretch[0]).abs() < 1e-9 && (setup.stretch[1] - 250.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_given_axis_and_flip_decide_which_end_is_the_heel() {
+        let tip = |options: &SetupOptions| {
+            let setup = set_up(rod(), &lathe(), options).unwrap();
+            (setup.machine_from_file * Point3::new(0.0, 0.0, 100.0)).x
+        };
+        let options = SetupOptions { axis: "z".parse().unwrap(), ..Default::default() };
+        assert!((tip(&options) - 225.0).abs() < 1e-9);
+        assert!((tip(&SetupOptions { flip: true, ..options }) - 25.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_mirror_image_is_the_other_foot() {
+        let chiral = Surface::Mesh(shapes::chiral(2_000));
+        let options = SetupOptions { axis: "x".parse().unwrap(), ..Default::default() };
+        let one = set_up(chiral.clone(), &lathe(), &options).unwrap();
+        let other = set_up(chiral, &lathe(), &SetupOptions { mirror: true, ..options }).unwrap();
+        let (a, b) = (&one.surface.points()[7], &other.surface.points()[7]);
+        assert!((a.x - b.x).abs() < 1e-9 && (a.y + b.y).abs() < 1e-9 && (a.z - b.z).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_axis_without_length_is_refused_by_its_text() {
+        let error = "0 0 0".parse::<SpindleAxis>().unwrap_err().to_string();
+        assert!(error.contains("\"0 0 0\"") && error.contains("three numbers"), "{error}");
+    }
+}

@@ -1,0 +1,330 @@
+//! Trajectories: every axis but the attack axis, position by position.
+//!
+//! On a machine with a spindle the tool runs around the part in a helix, in rings, or along it in
+//! lines; on a table it runs over it in raster lines. A trajectory is a formula, not a list.
+
+use crate::machine::{Axis, AxisKind, AxisValues, Carries, MAX_AXES, Machine};
+use std::f64::consts::TAU;
+
+/// How the tool runs over the part.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// Around the part and along it at once, as last lathes do; a full ring at either end.
+    Helix,
+    /// Full rings, one pitch apart.
+    Rings,
+    /// Lines along the spindle, back and forth, the part turned between them.
+    Lines,
+    /// Lines along X, back and forth, one pitch apart.
+    Raster,
+}
+
+/// How far apart positions and lines are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spacing {
+    /// Positions per turn, or lines around the part.
+    pub per_turn: u32,
+    /// Positions along a line are this far apart [mm].
+    pub step: f64,
+    /// Where the turns of a helix end, rings stand or raster rows run: the coordinate after each
+    /// turn or row, ascending, first and last the ends of the run [mm].
+    pub stations: Vec<f64>,
+}
+
+/// A trajectory on a machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory<'a> {
+    machine: &'a Machine,
+    drives: Drives,
+    /// Words of the axes no drive moves.
+    rest: AxisValues,
+    strategy: Strategy,
+    spacing: Spacing,
+    /// Ends of a line along X [mm].
+    along: [f64; 2],
+}
+
+/// Why a strategy cannot run on a machine.
+#[derive(Debug, thiserror::Error)]
+pub enum TrajectoryError {
+    /// The machine lacks an axis the strategy drives.
+    #[error("{machine} cannot run {strategy:?}: it has no {axis}; choose another strategy")]
+    NoAxis {
+        /// The machine.
+        machine: String,
+        /// The strategy.
+        strategy: Strategy,
+        /// What is missing.
+        axis: &'static str,
+    },
+    /// A spacing is not a positive number.
+    #[error("the {what} is {value}; it must be a number above 0")]
+    NotPositive {
+        /// Which one.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// More positions than memory should be asked for.
+    #[error(
+        "the trajectory would have {positions:.3e} positions, more than {most:.0e}; \
+         choose a larger pitch or fewer points"
+    )]
+    TooMany {
+        /// How many it would have.
+        positions: f64,
+        /// How many are allowed.
+        most: f64,
+    },
+}
+
+/// More positions than this are refused.
+const MOST_POSITIONS: f64 = 2e8;
+
+/// Which axes a trajectory moves, and which way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Drives {
+    /// Along the attack frame's x.
+    along: Drive,
+    /// Along the attack frame's z.
+    across: Option<Drive>,
+    /// The part's turn about X.
+    turn: Option<Drive>,
+}
+
+/// An axis, and its motion per unit of what it drives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Drive {
+    axis: usize,
+    sense: f64,
+}
+
+impl<'a> Trajectory<'a> {
+    /// A run of `strategy` over X from `along[0]` to `along[1]`, axes it does not drive at `rest`.
+    pub fn new(
+        machine: &'a Machine,
+        strategy: Strategy,
+        along: [f64; 2],
+        spacing: Spacing,
+        rest: &AxisValues,
+    ) -> Result<Self, TrajectoryError> {
+        let drives = Drives::of(machine, strategy)?;
+        let positive = [("step", spacing.step), ("points per turn", f64::from(spacing.per_turn))];
+        for (what, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(TrajectoryError::NotPositive { what, value });
+            }
+        }
+        let run = Self { machine, drives, rest: *rest, strategy, spacing, along };
+        let positions = run.rows() as f64 * run.per_row();
+        if positions > MOST_POSITIONS {
+            return Err(TrajectoryError::TooMany { positions, most: MOST_POSITIONS });
+        }
+        Ok(run)
+    }
+
+    /// Number of positions.
+    pub fn n_positions(&self) -> usize {
+        let extra = usize::from(self.strategy == Strategy::Helix);
+        self.rows() * self.per_row() as usize + extra
+    }
+
+    /// The axis values of position `i`; the attack axis is left at rest.
+    pub fn values(&self, i: usize) -> AxisValues {
+        let per_row = self.per_row() as usize;
+        let (row, place) = (i / per_row, i % per_row);
+        let share = place as f64 / (per_row - 1).max(1) as f64;
+        let stations = &self.spacing.stations;
+        let back_and_forth = |row: usize| if row % 2 == 0 { share } else { 1.0 - share };
+        let on_line = |share: f64| self.along[0] + (self.along[1] - self.along[0]) * share;
+        let mut values = self.rest;
+        match self.strategy {
+            Strategy::Helix => {
+                let turns = i as f64 / f64::from(self.spacing.per_turn);
+                self.set(&mut values, Some(self.drives.along), self.helix_x(turns));
+                self.set(&mut values, self.drives.turn, TAU * turns);
+            }
+            Strategy::Rings => {
+                self.set(&mut values, Some(self.drives.along), stations[row]);
+                self.set(&mut values, self.drives.turn, TAU * (row as f64 + share));
+            }
+            Strategy::Lines => {
+                let angle = TAU * row as f64 / f64::from(self.spacing.per_turn);
+                self.set(&mut values, Some(self.drives.along), on_line(back_and_forth(row)));
+                self.set(&mut values, self.drives.turn, angle);
+            }
+            Strategy::Raster => {
+                self.set(&mut values, Some(self.drives.along), on_line(back_and_forth(row)));
+                self.set(&mut values, self.drives.across, stations[row]);
+            }
+        }
+        values
+    }
+
+    /// How many positions make a turn, a ring or a line.
+    pub fn per_row(&self) -> f64 {
+        match self.strategy {
+            Strategy::Helix => f64::from(self.spacing.per_turn),
+            Strategy::Rings => f64::from(self.spacing.per_turn) + 1.0,
+            Strategy::Lines | Strategy::Raster => {
+                ((self.along[1] - self.along[0]) / self.spacing.step).ceil().max(1.0) + 1.0
+            }
+        }
+    }
+
+    fn rows(&self) -> usize {
+        match self.strategy {
+            // A ring before the first station and one after the last.
+            Strategy::Helix => self.spacing.stations.len() + 1,
+            Strategy::Lines => self.spacing.per_turn as usize,
+            Strategy::Rings | Strategy::Raster => self.spacing.stations.len(),
+        }
+    }
+
+    /// Along a helix each turn runs from one station to the next; the first and the last stand.
+    fn helix_x(&self, turns: f64) -> f64 {
+        let stations = &self.spacing.stations;
+        let whole = (turns.floor() as usize).min(stations.len());
+        let last = stations.len() - 1;
+        let (from, to) = (stations[whole.saturating_sub(1)], stations[whole.min(last)]);
+        from + (to - from) * (turns - whole as f64)
+    }
+
+    fn set(&self, values: &mut AxisValues, drive: Option<Drive>, position: f64) {
+        if let Some(Drive { axis, sense }) = drive {
+            values[axis] = self.machine.axes[axis].word(sense * position);
+        }
+    }
+}
+
+impl Drives {
+    fn of(machine: &Machine, strategy: Strategy) -> Result<Self, TrajectoryError> {
+        let frame = machine.attack_from_machine();
+        let linear = |toward: usize| {
+            let free = |(index, axis): &(usize, &Axis)| {
+                *index != machine.attack
+                    && axis.kind == AxisKind::Linear
+                    && axis.follows.is_none()
+                    && (frame * axis.direction)[toward].abs() > 0.999
+            };
+            let (axis, found) = machine.axes.iter().enumerate().take(MAX_AXES).find(free)?;
+            let sense = (frame * found.direction)[toward].signum();
+            // Moving the part is moving the tool the other way.
+            let sense = if found.carries == Carries::Part { -sense } else { sense };
+            Some(Drive { axis, sense })
+        };
+        let turn = machine.spindle.map(|axis| {
+            let sense = machine.axes[axis].direction.x.signum();
+            Drive { axis, sense }
+        });
+        let missing =
+            |axis| TrajectoryError::NoAxis { machine: machine.name.clone(), strategy, axis };
+        let along = linear(0).ok_or_else(|| missing("linear axis along X"))?;
+        let across = linear(2);
+        match strategy {
+            Strategy::Raster if across.is_none() => {
+                Err(missing("linear axis across X and the attack axis"))
+            }
+            Strategy::Helix | Strategy::Rings | Strategy::Lines if turn.is_none() => {
+                Err(missing("spindle that turns the part"))
+            }
+            _ => Ok(Self { along, across, turn }),
+        }
+    }
+}
+
+impl Spacing {
+    /// Stations from `from` to `to`, `pitch` apart or a little less so that the last one fits.
+    pub fn even(from: f64, to: f64, pitch: f64) -> Result<Vec<f64>, TrajectoryError> {
+        Self::graded(from, to, |_| pitch)
+    }
+
+    /// Stations from `from` to `to`, apart by what `pitch` asks for at each.
+    pub fn graded(
+        from: f64,
+        to: f64,
+        pitch: impl Fn(f64) -> f64,
+    ) -> Result<Vec<f64>, TrajectoryError> {
+        let mut stations = vec![from];
+        let mut x = from;
+        while x < to {
+            let next = pitch(x);
+            if !(next > 0.0 && next.is_finite()) {
+                return Err(TrajectoryError::NotPositive { what: "pitch", value: next });
+            }
+            if stations.len() as f64 > MOST_POSITIONS / 100.0 {
+                let positions = (to - from) / next;
+                return Err(TrajectoryError::TooMany { positions, most: MOST_POSITIONS });
+            }
+            x += next;
+            stations.push(x);
+        }
+        // What the last station overshoots is taken from all of them alike.
+        let overshoot = (to - from) / (x - from);
+        if x > from {
+            for station in &mut stations {
+                *station = from + (*station - from) * overshoot;
+            }
+        }
+        Ok(stations)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lathe() -> Machine {
+        Machine::builtin("last-lathe").unwrap()
+    }
+
+    fn spacing(pitch: f64) -> Spacing {
+        Spacing { per_turn: 4, step: 1.0, stations: Spacing::even(10.0, 20.0, pitch).unwrap() }
+    }
+
+    #[test]
+    fn a_helix_begins_and_ends_with_a_ring() {
+        let machine = lathe();
+        let run = Trajectory::new(&machine, Strategy::Helix, [10.0, 20.0], spacing(5.0), &[0.0; 6])
+            .unwrap();
+        // Two turns of pitch 5 between two rings.
+        assert_eq!(run.n_positions(), 4 * 4 + 1);
+        let x = |i: usize| run.values(i)[0];
+        assert_eq!([x(0), x(4), x(6), x(8), x(12), x(16)], [10.0, 10.0, 12.5, 15.0, 20.0, 20.0]);
+        // Unwound, and a part-carrying axis of sign -1 counts down as the part turns up.
+        assert!((run.values(16)[2] + 4.0 * TAU).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rings_close_and_lines_go_back_and_forth() {
+        let machine = lathe();
+        let rings =
+            Trajectory::new(&machine, Strategy::Rings, [10.0, 20.0], spacing(10.0), &[0.0; 6])
+                .unwrap();
+        assert_eq!(rings.n_positions(), 2 * 5);
+        assert_eq!(rings.values(4)[2], rings.values(5)[2]);
+        let lines =
+            Trajectory::new(&machine, Strategy::Lines, [10.0, 20.0], spacing(10.0), &[0.0; 6])
+                .unwrap();
+        assert_eq!(lines.n_positions(), 4 * 11);
+        assert_eq!([lines.values(10)[0], lines.values(11)[0]], [20.0, 20.0]);
+    }
+
+    #[test]
+    fn a_raster_needs_an_axis_across() {
+        let machine = lathe();
+        let error =
+            Trajectory::new(&machine, Strategy::Raster, [10.0, 20.0], spacing(5.0), &[0.0; 6])
+                .unwrap_err();
+        assert!(error.to_string().contains("no linear axis across X"), "{error}");
+    }
+
+    #[test]
+    fn a_pitch_of_nothing_is_refused() {
+        let error = Spacing::even(0.0, 10.0, 0.0).unwrap_err().to_string();
+        assert!(error.contains("the pitch is 0"), "{error}");
+    }
+}
