@@ -1,7 +1,7 @@
 //! How a control wants its programs: data, read from `machines/dialects/*.toml`.
 
 use super::Modes;
-use super::read::read_modes;
+use super::line::Line;
 use std::ops::Range;
 use toml::Spanned;
 
@@ -202,7 +202,7 @@ fn bound<T>(value: &Spanned<T>, holds: bool, rule: &str) -> Result<(), Misplaced
 }
 
 fn modes(line: &Spanned<String>) -> Result<Modes, Misplaced> {
-    read_modes(line.get_ref()).map_err(|(column, problem)| {
+    Line::modes_alone(line.get_ref()).map_err(|(column, problem)| {
         // The span opens with the quotation mark, which makes up for columns counting from 1.
         let start = line.span().start + column as usize;
         (start..start, problem.to_string())
@@ -245,8 +245,10 @@ mod tests {
         assert!(unknown_key.starts_with("dialect line 13, column 1: unknown field `percents`"));
         let preamble = complaint("G54\"]", "G43 H1\"]");
         assert!(preamble.starts_with("dialect line 15, column 45: G43 is not read"), "{preamble}");
-        let motion = complaint("G54\"]", "M3\"]");
-        assert!(motion.ends_with("modal words alone belong here, like G21 G90"), "{motion}");
+        for other in ["M3", "G20", "G91", "G54 G0", "G54 F100", "G54 (remark)", ""] {
+            let refused = complaint("G54\"]", &format!("{other}\"]"));
+            assert!(refused.contains("column 45: modal words alone belong here"), "{refused}");
+        }
         let decimals = complaint("linear = 4", "linear = 1");
         assert!(decimals.ends_with("2 to 6 decimals"), "{decimals}");
         let digits = complaint("digits = 6", "digits = 3");

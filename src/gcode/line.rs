@@ -62,6 +62,22 @@ impl Line {
         Ok(())
     }
 
+    /// The modes of a line that asks for nothing else, as a dialect lists them.
+    pub(super) fn modes_alone(text: &str) -> Result<Modes, (u32, Problem)> {
+        let mut line = Self::default();
+        line.fill(text.as_bytes())?;
+        let sorted = line.sorted()?;
+        let asked = sorted.modes;
+        // Inches and increments come out as modes too, but not as the ones they are.
+        let all_modes = asked.iter().count() == line.codes.len()
+            && sorted.inches != Some(true)
+            && sorted.increments != Some(true);
+        let nothing_else =
+            line.comments.is_empty() && !line.percent && line.words.iter().all(Option::is_none);
+        let is_modal = all_modes && nothing_else && !asked.is_empty();
+        if is_modal { Ok(asked) } else { Err((1, Problem::NotModal)) }
+    }
+
     /// The number behind `letter` and its column.
     pub(super) fn word(&self, letter: u8) -> Option<(f64, u32)> {
         self.words[usize::from(letter - b'A')]

@@ -101,7 +101,7 @@ pub enum Problem {
     #[error("P belongs to G4, and this line has none")]
     StrayTime,
     /// A dialect's modal line holds something else.
-    #[error("modal words alone belong here, like G21 G90")]
+    #[error("modal words alone belong here, like G21 G90; programs are in millimetres, absolute")]
     NotModal,
 }
 

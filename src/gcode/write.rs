@@ -10,6 +10,9 @@ use std::io::Write;
 /// Text is handed on in pieces of about this size.
 const CHUNK: usize = 1 << 16;
 
+/// Decimals of S words [rpm].
+pub(super) const SPEED_DECIMALS: u8 = 1;
+
 /// Writes `program` as `dialect` wants it.
 pub fn write(program: &Program, dialect: &Dialect, out: &mut dyn Write) -> std::io::Result<()> {
     let mut text = Vec::with_capacity(CHUNK + 1024);
@@ -114,7 +117,7 @@ fn push_comment(text: &mut Vec<u8>, comment: &str, style: CommentStyle) {
 fn push_spindle(text: &mut Vec<u8>, spindle: &Spindle) {
     if let Some(speed) = spindle.speed_rpm {
         text.push(b'S');
-        push_fixed(text, speed, 1);
+        push_fixed(text, speed, SPEED_DECIMALS);
     }
     if let Some(run) = spindle.run {
         text.extend_from_slice(if spindle.speed_rpm.is_some() { b" " } else { b"" });

@@ -262,6 +262,7 @@ impl<'a> Body<'a> {
     fn pause(&mut self) {
         let seconds = std::mem::take(&mut self.carried);
         if seconds > 0.0 {
+            let seconds = floor_to_digits(seconds, self.dialect.feed.digits);
             self.program.push(BlockKind::Dwell(seconds));
         }
     }

@@ -1,5 +1,8 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod check;
+mod restart;
+
 use crate::bar::Bar;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell as CompletionShell;
@@ -55,6 +58,8 @@ impl Shell {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Check(check::CheckArgs),
+    Restart(restart::RestartArgs),
     /// Print shell completions.
     Completions {
         /// The shell to complete in.
@@ -69,6 +74,8 @@ impl Cli {
             rayon::ThreadPoolBuilder::new().num_threads(n_threads.get()).build_global()?;
         }
         match &self.command {
+            Command::Check(args) => check::run(args, &self.shell),
+            Command::Restart(args) => restart::run(args, &self.shell),
             Command::Completions { shell } => {
                 clap_complete::generate(
                     *shell,

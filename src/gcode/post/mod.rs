@@ -3,12 +3,13 @@
 //! Every program has the same shape: comments, the dialect's preamble, the attack axis to where
 //! nothing can be touched, tool, spindle, the other axes to their start, the moves, the attack axis
 //! back, spindle off, end. A move with a duration goes out in inverse time; how it keeps its time honest
-//! while words are rounded is told in `post/body.rs`.
+//! while words are rounded is told in `body.rs`.
 
 mod body;
 
 use super::check::{AxisBounds, CheckReport, check};
-use super::write::{comment_lines, longest_move};
+use super::number::round_to;
+use super::write::{SPEED_DECIMALS, comment_lines, longest_move};
 use super::{BlockKind, Dialect, Program, Spindle, SpindleRun};
 use crate::cam::Toolpath;
 use crate::machine::Machine;
@@ -186,7 +187,8 @@ fn mount(program: &mut Program, tool: &Tool) {
         Turns::Clockwise => SpindleRun::Clockwise,
         Turns::CounterClockwise => SpindleRun::CounterClockwise,
     });
-    program.push(BlockKind::Spindle(Spindle { speed_rpm: Some(tool.speed_rpm), run }));
+    let speed_rpm = Some(round_to(tool.speed_rpm, SPEED_DECIMALS));
+    program.push(BlockKind::Spindle(Spindle { speed_rpm, run }));
 }
 
 /// What stands before the first move: comments and preamble.
