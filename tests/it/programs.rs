@@ -348,6 +348,45 @@ fn where_a_program_cannot_be_taken_up_the_reason_is_given() {
     );
 }
 
+#[test]
+fn a_feed_at_the_limit_of_two_axes_stays_within_it_when_words_are_rounded() {
+    // Both axes at their 500 mm/s, in steps that round to 9 or 10 units of the last decimal.
+    let step = |i: u32| Move {
+        to: values([
+            100.000_08 + 0.000_96 * f64::from(i),
+            100.000_04 + 0.000_96 * f64::from(i),
+            0.0,
+        ]),
+        pace: if i == 0 { Pace::Rapid } else { Pace::Feed(500.0 * 2_f64.sqrt()) },
+    };
+    let path = Toolpath { moves: (0..100).map(step).collect(), clear: 60.0 };
+    let program = posted(&path, &mill(), &linuxcnc()).program;
+    assert_eq!(check(&program, &mill()).violations, []);
+}
+
+#[test]
+fn away_from_the_part_is_down_where_the_attack_words_are_negative() {
+    let mut machine = lathe();
+    machine.axes[1].sign = -1.0;
+    machine.axes[1].limits = Some([-250.0, 0.0]);
+    let mut path = short_path();
+    path.moves.iter_mut().for_each(|step| step.to[1] = -step.to[1]);
+    path.clear = -path.clear;
+    let whole = posted(&path, &machine, &linuxcnc()).program;
+    let rest = restart(&whole, &machine, line_of(&whole, "G1 Y-70.5"), None).unwrap();
+    let first = rest.steps(&machine).next().unwrap();
+    assert_eq!((first.to[0], first.to[1], first.to[2]), (None, Some(-150.0), None));
+}
+
+#[test]
+fn a_spindle_that_a_tool_change_stopped_is_not_started_again() {
+    let text_before = "T1 M6\nS500 M3\nG0 Y100\nG0 X0 A0\nG1 Y70 F600\nG0 Y100\nT2 M6\n";
+    let whole = reread(&format!("{text_before}G1 X1\nG1 X2\nM30\n"), &lathe());
+    let rest = restart(&whole, &lathe(), 9, None).unwrap();
+    let text = text(&rest, &linuxcnc());
+    assert!(text.contains("T2 M6\nS500.0\n") && !text.contains("M3\n"), "{text}");
+}
+
 /// Down at 20 mm/s, a turn in a second, one in a second and a half, a pause, and on at 10 mm/s.
 fn short_path() -> Toolpath {
     let step =
