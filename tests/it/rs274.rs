@@ -28,17 +28,19 @@ pub(crate) fn is_here() -> bool {
 
 /// The moves and pauses (as moves to where the machine stands) of `program`.
 pub(crate) fn interpret(program: &Path) -> Vec<CanonicalMove> {
-    // It leaves a file of parameters in its folder. It must not be told to go on after an error
-    // (-n 0): then it ends as if there had been none.
+    // It keeps parameters in its folder and maps its tool table into a file at home, where two that
+    // run at once would crash: each gets a folder and a home of its own. It must not be told to go
+    // on after an error (-n 0): then it ends as if there had been none.
     let folder = tempfile::tempdir().unwrap();
     let tools: Vec<_> = (1..100).map(|number| format!("T{number} P{number} D0\n")).collect();
     std::fs::write(folder.path().join("tool.tbl"), tools.concat()).unwrap();
     let mut command = Command::new("rs274");
     command.args(["-t", "tool.tbl", "-g"]).arg(program.canonicalize().unwrap());
-    command.current_dir(folder.path());
+    command.current_dir(folder.path()).env("HOME", folder.path());
     let output = command.output().unwrap();
     let complaint = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "rs274 refuses {}: {complaint}", program.display());
+    let status = output.status;
+    assert!(status.success(), "rs274 on {}: {status}; {complaint}", program.display());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("PROGRAM_END()"), "rs274 did not reach the end: {complaint}");
     canonical_moves(&text)
