@@ -11,29 +11,29 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ReadProgramError {
     /// The file cannot be opened.
-    #[error("cannot open {path:?}: {source}")]
+    #[error("cannot open {path:?}: {problem}")]
     Open {
         /// The file.
         path: PathBuf,
         /// What the system said.
-        source: std::io::Error,
+        problem: std::io::Error,
     },
     /// What it holds is no program for the machine.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {problem}", path.display())]
     Content {
         /// The file.
         path: PathBuf,
         /// What is wrong, and where.
-        source: gcode::ReadError,
+        problem: gcode::ReadError,
     },
 }
 
 /// Reads the program in `path` for `machine`.
 pub fn read_program(path: &Path, machine: &Machine) -> Result<Program, ReadProgramError> {
-    let file =
-        File::open(path).map_err(|source| ReadProgramError::Open { path: path.into(), source })?;
+    let file = File::open(path)
+        .map_err(|problem| ReadProgramError::Open { path: path.into(), problem })?;
     gcode::read(&mut BufReader::new(file), machine)
-        .map_err(|source| ReadProgramError::Content { path: path.into(), source })
+        .map_err(|problem| ReadProgramError::Content { path: path.into(), problem })
 }
 
 /// Writes `program` to `path` as `dialect` wants it: whole, or not at all.

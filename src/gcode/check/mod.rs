@@ -133,8 +133,8 @@ impl<'a> Checker<'a> {
             if way > axis.velocity * seconds * (1.0 + TOLERANCE) {
                 let kind = ViolationKind::Velocity {
                     axis: axis.letter,
-                    velocity: address.word(way / seconds),
-                    limit: address.word(axis.velocity),
+                    velocity: for_people(address.word(way / seconds)),
+                    limit: for_people(address.word(axis.velocity)),
                     unit: address.unit(),
                 };
                 self.violate(step.line, kind);

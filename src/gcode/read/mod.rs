@@ -31,8 +31,13 @@ pub enum ReadError {
         problem: Problem,
     },
     /// The text could not be read.
-    #[error("the program cannot be read: {0}")]
-    System(#[from] std::io::Error),
+    #[error("the program cannot be read behind line {line}: {problem}")]
+    System {
+        /// The last line that was read.
+        line: u32,
+        /// What the system said.
+        problem: std::io::Error,
+    },
 }
 
 /// Reads a program for `machine`.
@@ -50,11 +55,13 @@ fn read_program(text: &mut dyn BufRead, program: Program) -> Result<Program, Rea
     let mut words = Line::default();
     for line in 1.. {
         bytes.clear();
+        if control.stage == Stage::Done {
+            break;
+        }
         // Two more, so that a line of just the limit still brings its ending along.
         let limit = MAX_LINE as u64 + 2;
-        if control.stage == Stage::Done
-            || Read::take(&mut *text, limit).read_until(b'\n', &mut bytes)? == 0
-        {
+        let n_bytes = Read::take(&mut *text, limit).read_until(b'\n', &mut bytes);
+        if n_bytes.map_err(|problem| ReadError::System { line: line - 1, problem })? == 0 {
             break;
         }
         let at_line = |(column, problem)| ReadError::Content { line, column, problem };
@@ -200,6 +207,19 @@ mod tests {
     fn a_line_without_end_is_refused_before_it_fills_memory() {
         let text = "(".to_owned() + &"x".repeat(1_000_000);
         assert!(complaint(&text).starts_with("line 1, column 1: the line is longer than 4096"));
+    }
+
+    #[test]
+    fn a_source_that_fails_is_told_with_the_last_line_read() {
+        struct Broken;
+        impl Read for Broken {
+            fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+                Err(std::io::Error::other("the cable is out"))
+            }
+        }
+        let mut text = std::io::BufReader::new("M5\nM5\n".as_bytes().chain(Broken));
+        let error = read_program(&mut text, Program::default()).unwrap_err().to_string();
+        assert_eq!(error, "the program cannot be read behind line 2: the cable is out");
     }
 
     #[test]

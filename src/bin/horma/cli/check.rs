@@ -26,5 +26,5 @@ pub(crate) fn run(args: &CheckArgs, shell: &Shell) -> anyhow::Result<()> {
         return Ok(());
     }
     let (path, n_violations) = (args.program.display(), report.violations.len());
-    bail!("{path} must not run on {}: {n_violations} violations", machine.name)
+    bail!("{path} must not run on {}; violations: {n_violations}", machine.name)
 }

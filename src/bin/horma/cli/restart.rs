@@ -44,9 +44,9 @@ pub(crate) fn run(args: &RestartArgs, shell: &Shell) -> anyhow::Result<()> {
     let program = io::read_program(&args.program, &machine)?;
     let rest = gcode::restart(&program, &machine, args.line, args.plunge_feed)?;
     let check = gcode::check(&rest, &machine);
-    if let Some(Violation { line, kind }) = check.violations.first() {
+    if let Some(Violation { kind, .. }) = check.violations.first() {
         let path = args.program.display();
-        bail!("the rest of {path} must not run on {}: its line {line}: {kind}", machine.name);
+        bail!("{path} must not run on {}: {kind}; `horma check` says in which line", machine.name);
     }
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Refuse };
     io::write_program(&args.output, overwrite, &rest, &dialect)?;
