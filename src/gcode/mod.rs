@@ -1,8 +1,8 @@
 //! Programs: a toolpath in a control's language, and back.
 //!
-//! [`post`] turns a [`Toolpath`](crate::cam::Toolpath) into a [`Program`] for a [`Dialect`],
-//! [`write`] makes it text, [`read`] makes text a program again, [`Program::steps`] replays it,
-//! [`check`] says what a machine would have against it, and [`restart`] cuts its beginning off.
+//! [`post()`] turns a [`Toolpath`](crate::cam::Toolpath) into a [`Program`] for a [`Dialect`],
+//! [`write()`] makes it text, [`read()`] makes text a program again, [`Program::steps`] replays it,
+//! [`check()`] says what a machine would have against it, and [`restart()`] cuts its beginning off.
 //!
 //! A program is the twin of its file: words are millimetres and *degrees*, feeds are per minute,
 //! each rounded once to the decimals of the dialect. [`Step`]s are back in radians and seconds.
