@@ -88,14 +88,11 @@ fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 /// The least and greatest X at which a line along X meets the part. A cloud is met where a point
 /// lies within the stub's radius of the line.
 fn first_and_last(part: &Surface, [y, z]: [f64; 2], radius: f64) -> Option<[f64; 2]> {
-    let met: Option<(f64, f64)> = match part {
-        Surface::Mesh(mesh) => {
-            range((0..mesh.triangles.len()).filter_map(|i| crossing(&mesh.corners(i), [y, z])))
-        }
-        _ => {
-            let near = |p: &&Point3| (p.y - y).hypot(p.z - z) <= radius;
-            range(part.points().iter().filter(near).map(|p| p.x))
-        }
+    let met = if let Surface::Mesh(mesh) = part {
+        range((0..mesh.triangles.len()).filter_map(|i| crossing(&mesh.corners(i), [y, z])))
+    } else {
+        let near = |p: &&Point3| (p.y - y).hypot(p.z - z) <= radius;
+        range(part.points().iter().filter(near).map(|p| p.x))
     };
     met.map(|(first, last)| [first, last])
 }

@@ -7,7 +7,7 @@
 //! spindle (wheel, ball): the centre of the tool lies on the contact's normal and must be turned
 //! into the attack plane. Other tools are turned so that the normal faces them.
 
-use super::digitize::{Contact, Digitizer};
+use super::digitize::Digitizer;
 use crate::geom::{Point3, Pose, TriMesh, Vector3};
 use crate::machine::Machine;
 use crate::progress::{Cancelled, Progress};
@@ -69,9 +69,19 @@ pub fn reach(
     let mut report = ReachReport::empty(tried.len());
     for ((&i, facing), contact) in tried.iter().zip(&poses).zip(&contacts) {
         let area = mesh.area_vector(i).norm();
-        let [a, b, c] = mesh.corners(i);
-        let point = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-        report.add(area, point, facing.as_ref(), contact.as_ref(), n_own);
+        let off = match (facing, contact) {
+            (Some(facing), Some(contact)) => {
+                let off = ((contact.height - facing.height) * facing.normal_y).max(0.0);
+                report.count(area, off, n_own <= contact.primitive as usize);
+                off
+            }
+            _ => {
+                report.undercut += area;
+                f64::INFINITY
+            }
+        };
+        report.area += area;
+        report.places.push(Place { point: middle(mesh, i), off });
     }
     report.scale_to((0..n_own).map(|i| mesh.area_vector(i).norm()).sum());
     Ok(report)
@@ -83,32 +93,16 @@ impl ReachReport {
         Self { area: 0.0, undercut: 0.0, hollow: 0.0, clamped: 0.0, deepest: 0.0, places }
     }
 
-    fn add(
-        &mut self,
-        area: f64,
-        point: Point3,
-        facing: Option<&Facing>,
-        contact: Option<&Contact>,
-        n_own: usize,
-    ) {
-        self.area += area;
-        let off = match (facing, contact) {
-            (Some(facing), Some(contact)) => {
-                let off = ((contact.height - facing.height) * facing.normal_y).max(0.0);
-                if off > TOUCHES && n_own <= contact.primitive as usize {
-                    self.clamped += area;
-                } else if off > TOUCHES {
-                    self.hollow += area;
-                    self.deepest = self.deepest.max(off);
-                }
-                off
-            }
-            _ => {
-                self.undercut += area;
-                f64::INFINITY
-            }
-        };
-        self.places.push(Place { point, off });
+    fn count(&mut self, area: f64, off: f64, is_clamp: bool) {
+        if off <= TOUCHES {
+            return;
+        }
+        if is_clamp {
+            self.clamped += area;
+        } else {
+            self.hollow += area;
+            self.deepest = self.deepest.max(off);
+        }
     }
 
     /// The triangles left out are like those tried.
@@ -118,6 +112,11 @@ impl ReachReport {
             *part *= scale;
         }
     }
+}
+
+fn middle(mesh: &TriMesh, i: usize) -> Point3 {
+    let [a, b, c] = mesh.corners(i);
+    Point3::from((a.coords + b.coords + c.coords) / 3.0)
 }
 
 /// The pose that brings the middle of a triangle under the tool.
@@ -134,15 +133,8 @@ impl Facing {
     /// `None` for an undercut, and for a triangle without area.
     fn of(mesh: &TriMesh, i: usize, machine: &Machine, cutter: &Cutter) -> Option<Self> {
         let normal = mesh.area_vector(i).try_normalize(0.0)?;
-        let [a, b, c] = mesh.corners(i);
-        let middle = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-        let rest = machine.axes.iter().map(|axis| axis.word(0.0));
-        let mut words = [0.0; crate::machine::MAX_AXES];
-        for (word, value) in words.iter_mut().zip(rest) {
-            *word = value;
-        }
-        let at_rest = machine.attack_from_part(&words);
-        let (point, normal) = (at_rest * middle, at_rest * normal);
+        let at_rest = machine.attack_from_part(&machine.at_rest());
+        let (point, normal) = (at_rest * middle(mesh, i), at_rest * normal);
         let turn = match machine.spindle {
             Some(_) => turn_under(&point, &normal, cutter),
             None => Rotation3::identity(),

@@ -138,7 +138,7 @@ impl<'a> Trajectory<'a> {
         let (row, place) = (i / per_row, i % per_row);
         let share = place as f64 / (per_row - 1).max(1) as f64;
         let stations = &self.spacing.stations;
-        let back_and_forth = |row: usize| if row % 2 == 0 { share } else { 1.0 - share };
+        let back_and_forth = |row: usize| if row.is_multiple_of(2) { share } else { 1.0 - share };
         let on_line = |share: f64| self.along[0] + (self.along[1] - self.along[0]) * share;
         let mut values = self.rest;
         match self.strategy {

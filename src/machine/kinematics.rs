@@ -82,6 +82,15 @@ impl Machine {
         Pose::from_parts(Translation3::identity(), rotation) * shift * self.machine_from_part(&rest)
     }
 
+    /// The words of all axes at motion 0.
+    pub fn at_rest(&self) -> AxisValues {
+        let mut values = [0.0; MAX_AXES];
+        for (value, axis) in values.iter_mut().zip(&self.axes) {
+            *value = axis.word(0.0);
+        }
+        values
+    }
+
     /// `values` with every following axis set from its leader.
     #[must_use]
     pub fn with_followers(&self, values: &AxisValues) -> AxisValues {

@@ -1,8 +1,10 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod check;
 mod convert;
 mod info;
 mod machine;
+mod restart;
 mod shell;
 mod table;
 mod tool;
@@ -49,6 +51,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     Machine(machine::MachineArgs),
     Tool(tool::ToolArgs),
+    Check(check::CheckArgs),
+    Restart(restart::RestartArgs),
     /// Print shell completions.
     #[command(
         after_help = "For example: horma completions bash > ~/.local/share/bash-completion/completions/horma"
@@ -64,6 +68,8 @@ impl Cli {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         self.shell.start_threads()?;
         match &self.command {
+            Command::Check(args) => check::run(args, &self.shell),
+            Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
             Command::Machine(args) => machine::run(args, &self.shell),

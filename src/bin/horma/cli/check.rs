@@ -1,0 +1,30 @@
+//! `horma check`: what a machine would have against a program.
+
+use super::Shell;
+use anyhow::bail;
+use clap::Args;
+use horma::{gcode, io};
+use std::path::PathBuf;
+
+/// Read a program again and report bounds, limits, programmed time and every violation by line.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// The program.
+    program: PathBuf,
+    /// The machine it is for: a name, or a machine file.
+    #[arg(long, short, value_name = "MACHINE")]
+    machine: String,
+}
+
+/// Prints the report; a program with violations is a bad input.
+pub(crate) fn run(args: &CheckArgs, shell: &Shell) -> anyhow::Result<()> {
+    let machine = io::read_machine(&args.machine)?;
+    let program = io::read_program(&args.program, &machine)?;
+    let report = gcode::check(&program, &machine);
+    shell.report(&report, &report.to_string())?;
+    if report.is_clean() {
+        return Ok(());
+    }
+    let (path, n_violations) = (args.program.display(), report.violations.len());
+    bail!("{path} must not run on {}; violations: {n_violations}", machine.name)
+}
