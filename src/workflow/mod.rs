@@ -1,1 +1,3 @@
 //! One pure function per job: values in, values out.
+
+pub mod cam;

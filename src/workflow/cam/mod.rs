@@ -1,0 +1,10 @@
+//! From a part to a program: set up, run, digitize, schedule, post, read back, report.
+
+mod options;
+mod plan;
+mod report;
+mod spacing;
+
+pub use options::{CamOptions, Mode, OffPart, OptionsError};
+pub use plan::{Plan, Scene};
+pub use report::{CamReport, PartReport, RunReport, SetupReport};

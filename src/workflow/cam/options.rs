@@ -1,0 +1,198 @@
+//! The options of a job: flags of the command line and keys of a job file alike.
+
+use crate::cam::{Centre, Method, SetupError, SetupOptions, SpindleAxis, Strategy};
+use serde::{Deserialize, Serialize};
+
+/// How a part is cut. Every option may be left out; what is said on the command line wins over the
+/// job file.
+#[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
+pub struct CamOptions {
+    /// The tool: a name or number of the tool library, or a shape such as wheel:60,10 or ball:3
+    /// [default: the machine's own].
+    #[arg(long, value_name = "TOOL")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tool: Option<String>,
+    /// How the tool runs over the part [default: helix around it, raster on a table].
+    #[arg(long, value_name = "STRATEGY")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strategy: Option<Strategy>,
+    /// Distance of turns, rings or rows [mm; default: 2].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch: Option<f64>,
+    /// Positions per turn, or lines around the part [default: 360].
+    #[arg(long, value_name = "N")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points_per_turn: Option<u32>,
+    /// Distance of positions along a line [mm; default: half the pitch].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<f64>,
+    /// Positions per millimetre of path; sets the step, the positions per turn and, unless given,
+    /// the pitch.
+    #[arg(long, value_name = "N", conflicts_with_all = ["points_per_turn", "step"])]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points_per_mm: Option<f64>,
+    /// Height of the ridges left between turns; sets the pitch, finer where the part is steep [mm].
+    #[arg(long, value_name = "MM", conflicts_with = "pitch")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scallop: Option<f64>,
+    /// Material to leave on the part [mm; default: 0].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub allowance: Option<f64>,
+    /// How far the tool runs beyond the part's ends [mm; default: so far that it cuts them whole].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overrun: Option<f64>,
+    /// The part's direction along the spindle, heel to toe: auto, x, -x, y, z or "1 0 0.2"
+    /// [default: auto, its longest principal axis].
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<String>,
+    /// Swap heel and toe.
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub flip: bool,
+    /// Which point lies on the spindle axis [default: centroid].
+    #[arg(long, value_name = "POINT")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub centre: Option<Centre>,
+    /// Turn of the part before the first step [deg; default: 0].
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_angle: Option<f64>,
+    /// Cut the mirror image: the other foot.
+    #[arg(long)]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub mirror: bool,
+    /// Cutting feed at the contact [mm/min; default: the tool's].
+    #[arg(long, value_name = "MM/MIN")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed: Option<f64>,
+    /// Spindle speed of the cutter [rpm; default: the tool's].
+    #[arg(long, value_name = "RPM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed: Option<f64>,
+    /// Depth of material the first cut may meet [mm; default: what the tool's nose takes].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stock: Option<f64>,
+    /// Height of positions at which the tool meets nothing [default: hold].
+    #[arg(long, value_name = "RULE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub off_part: Option<OffPart>,
+    /// What is digitized [default: triangles; points for a cloud].
+    #[arg(long, value_name = "MODE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mode: Option<Mode>,
+    /// How contacts are found; the answers are the same [default: indexed].
+    #[arg(long, value_name = "METHOD")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
+    /// Words of axes the strategy does not drive, such as A=30 on a five-axis mill [mm or deg].
+    #[arg(long, value_name = "AXIS=WORD", value_delimiter = ',', allow_hyphen_values = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hold: Vec<String>,
+}
+
+/// What height a position gets at which the tool meets nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum OffPart {
+    /// That of the last position that met the part; before the first, that of the first.
+    #[default]
+    Hold,
+    /// Clear of the part.
+    Clear,
+}
+
+/// What is digitized.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// The surface, exactly.
+    Triangles,
+    /// Its points alone, as in the thesis: between them the tool may sink in.
+    Points,
+}
+
+/// An option that cannot be.
+#[derive(Debug, thiserror::Error)]
+pub enum OptionsError {
+    /// A number out of its range.
+    #[error("{option} is {value}; it must be {must}")]
+    OutOfRange {
+        /// The option's flag or key.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A held axis that is none, or no number.
+    #[error("hold {text:?} is no axis and word of {machine}; write for example A=30")]
+    Hold {
+        /// What was given.
+        text: String,
+        /// The machine.
+        machine: String,
+    },
+    /// A strategy's options contradict each other.
+    #[error("{0}")]
+    Conflict(&'static str),
+    /// The spindle axis is none.
+    #[error(transparent)]
+    Axis(#[from] SetupError),
+}
+
+impl CamOptions {
+    /// Refuses numbers that mean nothing.
+    pub fn check(&self) -> Result<(), OptionsError> {
+        let above_0 = [
+            ("--pitch", self.pitch),
+            ("--step", self.step),
+            ("--points-per-mm", self.points_per_mm),
+            ("--scallop", self.scallop),
+            ("--feed", self.feed),
+            ("--speed", self.speed),
+            ("--points-per-turn", self.points_per_turn.map(f64::from)),
+        ];
+        let from_0 =
+            [("--allowance", self.allowance), ("--overrun", self.overrun), ("--stock", self.stock)];
+        let named = |(option, value): (&'static str, Option<f64>)| Some((option, value?));
+        for (option, value) in above_0.into_iter().filter_map(named) {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(OptionsError::OutOfRange { option, value, must: "a number above 0" });
+            }
+        }
+        for (option, value) in from_0.into_iter().filter_map(named) {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(OptionsError::OutOfRange { option, value, must: "0 or more" });
+            }
+        }
+        if let Some(value) = self.start_angle.filter(|value| !value.is_finite()) {
+            return Err(OptionsError::OutOfRange {
+                option: "--start-angle",
+                value,
+                must: "finite",
+            });
+        }
+        if self.scallop.is_some() && self.pitch.is_some() {
+            return Err(OptionsError::Conflict("give --pitch or --scallop, not both"));
+        }
+        Ok(())
+    }
+
+    /// The options of the setup among these.
+    pub fn setup(&self) -> Result<SetupOptions, SetupError> {
+        Ok(SetupOptions {
+            axis: self.axis.as_deref().map_or(Ok(SpindleAxis::Auto), str::parse)?,
+            flip: self.flip,
+            centre: self.centre.unwrap_or_default(),
+            start_angle: self.start_angle.unwrap_or(0.0).to_radians(),
+            mirror: self.mirror,
+        })
+    }
+}
