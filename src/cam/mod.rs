@@ -2,14 +2,18 @@
 
 mod clamps;
 mod digitize;
+mod fit;
 mod reach;
+mod schedule;
 mod setup;
 mod toolpath;
 mod trajectory;
 
 pub use clamps::ClampError;
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
+pub use fit::{FitError, clear_word, run_along, within};
 pub use reach::{Place, ReachReport, reach};
+pub use schedule::{Feeds, pass};
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};
 pub use toolpath::{Move, Pace, Toolpath};
 pub use trajectory::{Spacing, Strategy, Trajectory, TrajectoryError};

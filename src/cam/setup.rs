@@ -66,6 +66,8 @@ pub struct Setup {
     pub surface: Surface,
     /// How many of the triangles (or points) are the part's own; the rest are clamps.
     pub n_own: usize,
+    /// How many of the surface's points (vertices) are the part's own.
+    pub n_own_points: usize,
     /// The part alone [mm].
     pub part: Aabb,
     /// Greatest distance of the part from the spindle axis [mm]; 0 without a spindle.
@@ -90,6 +92,13 @@ pub enum SetupError {
     /// It cannot be held.
     #[error(transparent)]
     Clamp(#[from] ClampError),
+}
+
+impl Setup {
+    /// The points of the part alone.
+    pub fn own_points(&self) -> impl Iterator<Item = &Point3> {
+        self.surface.points()[..self.n_own_points].iter()
+    }
 }
 
 impl FromStr for SpindleAxis {
@@ -150,6 +159,7 @@ pub fn set_up(
         Surface::Mesh(mesh) => mesh.triangles.len(),
         other => other.points().len(),
     };
+    let n_own_points = surface.points().len();
     let clamps = clamps::around(&surface, &machine.clamping, &line)?;
     let stretch = clamps
         .iter()
@@ -158,7 +168,7 @@ pub fn set_up(
     for clamp in clamps {
         add_clamp(&mut surface, clamp);
     }
-    Ok(Setup { surface, n_own, part, swing, machine_from_file, stretch })
+    Ok(Setup { surface, n_own, n_own_points, part, swing, machine_from_file, stretch })
 }
 
 /// A point of the spindle axis; the middle of the table where there is no spindle.

@@ -6,5 +6,6 @@ mod report;
 mod spacing;
 
 pub use options::{CamOptions, Mode, OffPart, OptionsError};
-pub use plan::{Plan, Scene};
+pub use plan::{CamError, Job, Plan, Scene, plan};
 pub use report::{CamReport, PartReport, RunReport, SetupReport};
+pub use spacing::SpacingError;
