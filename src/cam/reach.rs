@@ -15,9 +15,9 @@ use crate::tool::{Cutter, HeightFunction};
 use nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use serde::Serialize;
 
-/// A tool this much off the surface still counts as touching it [mm]: facets stand for a smooth
-/// surface.
-const TOUCHES: f64 = 0.02;
+/// A tool no farther off than this still cuts the surface as the trade asks, to a tenth [mm].
+
+const TOUCHES: f64 = 0.1;
 /// A facet less open to the tool than this is seen edge-on: rounding of its normal.
 const EDGE_ON: f64 = 1e-9;
 /// At most this many triangles are tried, evenly picked.

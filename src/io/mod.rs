@@ -5,8 +5,10 @@
 
 mod faces;
 mod fault;
+mod folder;
 mod format;
 mod gltf;
+mod job;
 mod machine;
 mod obj;
 mod output;
@@ -26,7 +28,9 @@ mod unfinished;
 mod write;
 
 pub use fault::{Fault, Place, ReadError};
+pub use folder::create_folder;
 pub use format::Format;
+pub use job::{JobError, JobFile, read_job};
 pub use machine::{DescriptionError, read_machine, read_machine_text, read_tools};
 pub use output::{Overwrite, WriteError, write_file};
 pub use output_set::OutputSet;

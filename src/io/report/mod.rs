@@ -5,6 +5,7 @@
 //! text of a file that needs no other: no script, no font, no address.
 
 mod band;
+mod cam_page;
 mod chart;
 mod colour;
 mod html;
@@ -24,3 +25,5 @@ pub use png::encode_png;
 pub use raster::{Raster, render};
 pub use scene::{Camera, Path, Scene, Solid};
 pub use svg::{Grid, Series, heat_map, histogram, line_chart};
+
+pub use cam_page::{cam_page, cam_summary};

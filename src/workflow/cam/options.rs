@@ -185,6 +185,29 @@ impl CamOptions {
         Ok(())
     }
 
+    /// These options, and where they say nothing those of `base`: flags over a job file.
+    #[must_use]
+    pub fn over(&self, base: &Self) -> Self {
+        let keys = |options: &Self| match serde_json::to_value(options) {
+            Ok(serde_json::Value::Object(keys)) => keys,
+            _ => serde_json::Map::new(),
+        };
+        let (mut all, ours) = (keys(base), keys(self));
+        // What one of these says, the other must not contradict.
+        let rivals = [
+            ("scallop", &["pitch"][..]),
+            ("pitch", &["scallop"]),
+            ("points-per-mm", &["points-per-turn", "step"]),
+            ("points-per-turn", &["points-per-mm"]),
+            ("step", &["points-per-mm"]),
+        ];
+        for rival in rivals.iter().filter(|(key, _)| ours.contains_key(*key)).flat_map(|r| r.1) {
+            all.remove(*rival);
+        }
+        all.extend(ours);
+        serde_json::from_value(all.into()).unwrap_or_else(|_| self.clone())
+    }
+
     /// The options of the setup among these.
     pub fn setup(&self) -> Result<SetupOptions, SetupError> {
         Ok(SetupOptions {
@@ -194,5 +217,33 @@ impl CamOptions {
             start_angle: self.start_angle.unwrap_or(0.0).to_radians(),
             mirror: self.mirror,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_win_over_the_job_file_and_drop_what_contradicts_them() {
+        let job = CamOptions {
+            pitch: Some(1.0),
+            allowance: Some(0.5),
+            mirror: true,
+            ..Default::default()
+        };
+        let flags = CamOptions { scallop: Some(0.02), allowance: Some(1.0), ..Default::default() };
+        let both = flags.over(&job);
+        assert_eq!((both.pitch, both.scallop), (None, Some(0.02)));
+        assert_eq!((both.allowance, both.mirror), (Some(1.0), true));
+    }
+
+    #[test]
+    fn numbers_that_mean_nothing_are_refused_by_name() {
+        let error = |options: CamOptions| options.check().unwrap_err().to_string();
+        let pitch = CamOptions { pitch: Some(-1.0), ..Default::default() };
+        assert_eq!(error(pitch), "--pitch is -1; it must be a number above 0");
+        let allowance = CamOptions { allowance: Some(f64::NAN), ..Default::default() };
+        assert_eq!(error(allowance), "--allowance is NaN; it must be 0 or more");
     }
 }

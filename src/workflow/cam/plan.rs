@@ -173,7 +173,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
     let (text, program, warnings) = write_and_read_back(posted, dialect, machine, &toolpath)?;
     let mut report = CamReport {
-        part: part_report(name, &setup, &part, notes),
+        part: part_report(name, &setup, notes),
         machine: [machine.name.clone(), machine.title.clone()],
         tool: [tool.name.clone(), tool.profile.to_string()],
         setup: setup_report(&setup, options),
@@ -390,17 +390,20 @@ fn write_and_read_back(
 
 /// Within half the last decimal of every word.
 fn is_near(machine: &Machine, end: &AxisValues, planned: &Move, dialect: &Dialect) -> bool {
-    let _ = dialect;
+    // A hundredth more: the comparison itself is rounded.
+    let half = |decimals: u8| 0.505 * 10f64.powi(-i32::from(decimals));
     machine.axes.iter().enumerate().filter(|(_, axis)| axis.follows.is_none()).all(|(i, axis)| {
-        let unit = if axis.kind == AxisKind::Rotary { 1f64.to_radians() } else { 1.0 };
-        (end[i] - planned.to[i]).abs() <= 0.500_01e-3 * unit
+        let allowed = match axis.kind {
+            AxisKind::Linear => half(dialect.decimals.linear),
+            AxisKind::Rotary => half(dialect.decimals.rotary).to_radians(),
+        };
+        (end[i] - planned.to[i]).abs() <= allowed
     })
 }
 
-fn part_report(name: String, setup: &Setup, part: &Part, notes: Vec<String>) -> PartReport {
+fn part_report(name: String, setup: &Setup, notes: Vec<String>) -> PartReport {
     let size = setup.part.size();
     let mode = if matches!(setup.surface, Surface::Points(_)) { "points" } else { "triangles" };
-    let _ = part;
     PartReport { name, mode, n_primitives: setup.n_own, size: size.into(), notes }
 }
 

@@ -1,7 +1,9 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod cam;
 mod check;
 mod convert;
+mod demo;
 mod info;
 mod machine;
 mod restart;
@@ -45,6 +47,8 @@ const EXIT_CODES: &str = "Exit codes:
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::DemoArgs),
+    Cam(Box<cam::CamArgs>),
     /// Say what a part file holds: format, units, size, and whether its surface is whole.
     Info(info::InfoArgs),
     /// Convert a part from one format to another.
@@ -68,6 +72,8 @@ impl Cli {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         self.shell.start_threads()?;
         match &self.command {
+            Command::Demo(args) => demo::run(args, &self.shell),
+            Command::Cam(args) => cam::run(args, &self.shell),
             Command::Check(args) => check::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),

@@ -1,0 +1,164 @@
+//! `horma cam`: from a part to a program, with its report.
+
+use super::Shell;
+use anyhow::Context;
+use clap::Args;
+use horma::gcode::Dialect;
+use horma::geom::LengthUnit;
+use horma::io::report::{cam_page, cam_summary, html};
+use horma::io::{self, JobFile, OutputSet, Overwrite, Reading};
+use horma::machine::Machine;
+use horma::tool::Tool;
+use horma::workflow::cam::{CamOptions, Job, Plan, plan};
+use std::path::{Path, PathBuf};
+
+/// Compute the program that cuts a part, and a report beside it.
+#[derive(Debug, Args)]
+#[command(after_help = "Writes OUTPUT, OUTPUT with .report.json and OUTPUT with .report.html.
+
+For example:
+  horma cam last.stl -m last-lathe -o last.ngc
+  horma cam last.stl -m last-lathe --mirror --scallop 0.03 --allowance 1 -o right.ngc
+  horma cam --job last.toml")]
+pub(crate) struct CamArgs {
+    /// The part: STL, PLY, OBJ, glTF/GLB, PCD, points or a section grid.
+    part: Option<PathBuf>,
+    /// The machine: a name (`horma machine list`) or a machine file.
+    #[arg(long, short, value_name = "MACHINE")]
+    machine: Option<String>,
+    /// Where the program goes; - for standard output, without reports.
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The unit of the part's file [default: what it declares, else by its extent].
+    #[arg(long, value_name = "UNIT")]
+    units: Option<LengthUnit>,
+    /// A tool library to look tools up in [default: the built-in one].
+    #[arg(long, value_name = "FILE")]
+    tools: Option<PathBuf>,
+    /// A job file that says what the command line does not.
+    #[arg(long, value_name = "FILE")]
+    job: Option<PathBuf>,
+    /// Leave the pictures out of the report: less time and memory.
+    #[arg(long)]
+    no_pictures: bool,
+    /// Replace outputs that are there already.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    options: CamOptions,
+}
+
+/// Plans the cut and writes the program and its reports: all of them, or none.
+pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
+    let job = args.job.as_deref().map(io::read_job).transpose()?.unwrap_or_default();
+    let part = given(&args.part, &job.part, "a part to cut", "horma cam PART -m MACHINE -o OUT")?;
+    let machine = given(&args.machine, &job.machine, "a machine", "-m last-lathe")?;
+    let output = given(&args.output, &job.output, "an output", "-o out.ngc")?;
+    let machine = io::read_machine(&machine)?;
+    let options = args.options.over(&job.options);
+    let tool = tool(args, &job, &options, &machine)?;
+    let reading = io::read_surface(&part, args.units.or(job.units))?;
+    let outputs = Outputs::checked(&output, args.force)?;
+    let bar = shell.progress();
+    let planned = plan(
+        Job {
+            name: part.file_name().unwrap_or(part.as_os_str()).to_string_lossy().into_owned(),
+            notes: notes(&reading),
+            surface: reading.surface,
+            machine: &machine,
+            tool,
+            dialect: &Dialect::named(&machine.dialect)?,
+            options: &options,
+            keep_scene: !args.no_pictures && !outputs.is_stream,
+        },
+        &bar,
+    )
+    .with_context(|| format!("while cutting {}", part.display()))?;
+    outputs.write(&planned)?;
+    drop(bar);
+    if outputs.is_stream {
+        return Ok(());
+    }
+    let text = cam_summary(&planned.report) + "\n" + &outputs.in_words(&machine);
+    shell.report(&planned.report, &text)
+}
+
+/// What the command line says, else the job file.
+fn given<T: Clone>(
+    flag: &Option<T>,
+    job: &Option<T>,
+    what: &str,
+    example: &str,
+) -> anyhow::Result<T> {
+    let said = flag.as_ref().or(job.as_ref());
+    said.cloned().with_context(|| format!("{what} is missing; give it, as in: {example}"))
+}
+
+fn tool(
+    args: &CamArgs,
+    job: &JobFile,
+    options: &CamOptions,
+    machine: &Machine,
+) -> anyhow::Result<Tool> {
+    let library = io::read_tools(args.tools.as_deref().or(job.tools.as_deref()))?;
+    Ok(library.find(options.tool.as_deref().unwrap_or(&machine.default_tool))?)
+}
+
+/// How the part was read, for the report.
+pub(crate) fn notes(reading: &Reading) -> Vec<String> {
+    let units = format!("read as {:?} in {} ({})", reading.format, reading.unit, reading.unit_from);
+    std::iter::once(units).chain(reading.notes.iter().cloned()).collect()
+}
+
+/// The files a job writes.
+pub(crate) struct Outputs {
+    program: PathBuf,
+    overwrite: Overwrite,
+    /// The program goes where no report can follow: standard output.
+    pub(crate) is_stream: bool,
+}
+
+impl Outputs {
+    /// Refuses names that cannot be written before hours are spent on what goes there.
+    pub(crate) fn checked(program: &Path, force: bool) -> anyhow::Result<Self> {
+        let overwrite = if force { Overwrite::Replace } else { Overwrite::Refuse };
+        let outputs =
+            Self { program: program.into(), overwrite, is_stream: io::is_standard_output(program) };
+        if !outputs.is_stream {
+            let mut trial = OutputSet::new(overwrite);
+            for path in outputs.paths() {
+                trial.add(&path, |_| Ok(()))?;
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn paths(&self) -> [PathBuf; 3] {
+        let report = |extension| self.program.with_extension(extension);
+        [self.program.clone(), report("report.json"), report("report.html")]
+    }
+
+    /// All three, or none.
+    pub(crate) fn write(&self, planned: &Plan) -> anyhow::Result<()> {
+        let [program, json, page] = self.paths();
+        let mut files = OutputSet::new(self.overwrite);
+        files.add(&program, |out| out.write_all(&planned.text))?;
+        if !self.is_stream {
+            let report = serde_json::to_vec_pretty(&planned.report)?;
+            let shown = html(&cam_page(&planned.report, planned.scene.as_ref())?);
+            files.add(&json, |out| out.write_all(&report))?;
+            files.add(&page, |out| out.write_all(shown.as_bytes()))?;
+        }
+        Ok(files.commit()?)
+    }
+
+    /// What was written, and what to do with it.
+    pub(crate) fn in_words(&self, machine: &Machine) -> String {
+        let [program, json, page] = self.paths().map(|path| path.display().to_string());
+        format!(
+            "wrote {program}\n      {json}\n      {page}  (open it in a browser)\n\
+             next  horma check {program} -m {}",
+            machine.name
+        )
+    }
+}
