@@ -12,7 +12,7 @@ mod trajectory;
 pub use clamps::ClampError;
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
 pub use fit::{FitError, clear_word, run_along, within};
-pub use reach::{Place, ReachReport, reach};
+pub use reach::{Place, ReachReport, Stand, reach};
 pub use schedule::{Feeds, pass};
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};
 pub use toolpath::{Move, Pace, Toolpath};

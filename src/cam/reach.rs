@@ -9,14 +9,13 @@
 
 use super::digitize::Digitizer;
 use crate::geom::{Point3, Pose, TriMesh, Vector3};
-use crate::machine::Machine;
+use crate::machine::{AxisValues, Machine};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::{Cutter, HeightFunction};
 use nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use serde::Serialize;
 
 /// A tool no farther off than this still cuts the surface as the trade asks, to a tenth [mm].
-
 const TOUCHES: f64 = 0.1;
 /// A facet less open to the tool than this is seen edge-on: rounding of its normal.
 const EDGE_ON: f64 = 1e-9;
@@ -42,6 +41,15 @@ pub struct ReachReport {
     pub places: Vec<Place>,
 }
 
+/// A machine with the words of the axes no trajectory drives.
+#[derive(Debug, Clone, Copy)]
+pub struct Stand<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Words of all axes at rest.
+    pub rest: AxisValues,
+}
+
 /// One place of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
@@ -54,7 +62,7 @@ pub struct Place {
 /// Tries every triangle of the first `n_own` of `mesh`; the others are clamps.
 pub fn reach(
     digitizer: &Digitizer,
-    machine: &Machine,
+    stand: &Stand,
     mesh: &TriMesh,
     n_own: usize,
     progress: &dyn Progress,
@@ -62,7 +70,7 @@ pub fn reach(
     let stride = n_own.div_ceil(MOST_TRIANGLES).max(1);
     let tried: Vec<usize> = (0..n_own).step_by(stride).collect();
     let poses: Vec<Option<Facing>> =
-        tried.iter().map(|&i| Facing::of(mesh, i, machine, &digitizer.cutter)).collect();
+        tried.iter().map(|&i| Facing::of(mesh, i, stand, &digitizer.cutter)).collect();
     // An undercut is digitized too, at rest, and its answer not looked at.
     let pose = |i: usize| poses[i].map_or_else(Pose::identity, |facing| facing.attack_from_part);
     let contacts = digitizer.run(tried.len(), pose, progress)?;
@@ -131,11 +139,11 @@ struct Facing {
 
 impl Facing {
     /// `None` for an undercut, and for a triangle without area.
-    fn of(mesh: &TriMesh, i: usize, machine: &Machine, cutter: &Cutter) -> Option<Self> {
+    fn of(mesh: &TriMesh, i: usize, stand: &Stand, cutter: &Cutter) -> Option<Self> {
         let normal = mesh.area_vector(i).try_normalize(0.0)?;
-        let at_rest = machine.attack_from_part(&machine.at_rest());
+        let at_rest = stand.machine.attack_from_part(&stand.rest);
         let (point, normal) = (at_rest * middle(mesh, i), at_rest * normal);
-        let turn = match machine.spindle {
+        let turn = match stand.machine.spindle {
             Some(_) => turn_under(&point, &normal, cutter),
             None => Rotation3::identity(),
         };
@@ -187,7 +195,8 @@ mod tests {
         let cutter = profile.cutter(0.0);
         let digitizer = Digitizer { part: &part, cutter, method: Method::Indexed };
         let machine = Machine::builtin(machine).unwrap();
-        reach(&digitizer, &machine, mesh, mesh.triangles.len(), &Silent).unwrap()
+        let stand = Stand { machine: &machine, rest: machine.at_rest() };
+        reach(&digitizer, &stand, mesh, mesh.triangles.len(), &Silent).unwrap()
     }
 
     const WHEEL: Profile = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 };

@@ -4,12 +4,12 @@ use super::options::{CamOptions, Mode, OffPart, OptionsError};
 use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
-    Contact, Digitizer, Feeds, FitError, Move, Part, Setup, SetupError, Strategy, Toolpath,
+    Contact, Digitizer, Feeds, FitError, Move, Part, Setup, SetupError, Stand, Strategy, Toolpath,
     Trajectory, TrajectoryError, clear_word, pass, reach, run_along, set_up, within,
 };
 use crate::gcode::{self, CheckReport, Dialect, Header, PostError, Posted};
 use crate::geom::{Point3, Surface};
-use crate::machine::{AxisKind, AxisValues, Machine, MachineError};
+use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine, MachineError};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::{Cutter, HeightFunction, Profile, Reach, Tool, ToolError};
 
@@ -122,6 +122,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     let (per_turn, step, stations) = (spacing.per_turn, spacing.step, spacing.stations.clone());
     let way = Trajectory::new(machine, run.strategy, run.along, spacing, &rest)?;
     let n_positions = way.n_positions();
+    within_travel(machine, &way)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
     let contacts = digitizer.run(n_positions, pose, progress)?;
     let rule = options.off_part.unwrap_or_default();
@@ -164,7 +165,9 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     drop(contacts);
 
     let reach = match &setup.surface {
-        Surface::Mesh(mesh) => Some(reach(&digitizer, machine, mesh, setup.n_own, progress)?),
+        Surface::Mesh(mesh) => {
+            Some(reach(&digitizer, &Stand { machine, rest }, mesh, setup.n_own, progress)?)
+        }
         _ => None,
     };
     let stock = options.stock.unwrap_or_else(|| depth_of_cut(&tool.profile));
@@ -256,14 +259,25 @@ fn run_of<'a>(
         let beyond = [options.overrun.unwrap_or(reach.x), options.overrun.unwrap_or(reach.z)];
         over_part(setup, machine, &rest, beyond)
     };
-    for axis in &machine.axes {
-        let is_along = axis.kind == AxisKind::Linear && axis.direction.x.abs() > 0.999;
-        for x in along.into_iter().filter(|_| is_along) {
-            let remedy = "take another spindle axis, a smaller --overrun or a larger machine";
-            within(machine, axis, axis.word(x * axis.direction.x.signum()), remedy)?;
+    Ok(Run { machine, strategy, along, stations, rest })
+}
+
+/// Refuses a trajectory that leaves an axis' travel, before it is digitized.
+fn within_travel(machine: &Machine, way: &Trajectory) -> Result<(), FitError> {
+    let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; MAX_AXES];
+    for words in (0..way.n_positions()).map(|i| machine.with_followers(&way.values(i))) {
+        for (range, word) in range.iter_mut().zip(words) {
+            *range = [range[0].min(word), range[1].max(word)];
         }
     }
-    Ok(Run { machine, strategy, along, stations, rest })
+    let remedy = "take another spindle axis, a smaller --overrun or a larger machine";
+    let driven = machine.axes.iter().enumerate().filter(|(index, _)| *index != machine.attack);
+    for (index, axis) in driven {
+        for word in range[index] {
+            within(machine, axis, word, remedy)?;
+        }
+    }
+    Ok(())
 }
 
 /// The part's extent across the attack axis, as it stands, and `beyond` it.
