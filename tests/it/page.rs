@@ -3,7 +3,7 @@
 use crate::parts::real;
 use horma::cam::Strategy;
 use horma::gcode::{Dialect, Violation, ViolationKind};
-use horma::geom::shapes::{self, LastParameters, chiral, last};
+use horma::geom::shapes::{self, LastParameters, last};
 use horma::geom::{Aabb, Point3, Surface};
 use horma::io::read_surface;
 use horma::io::report::{Block, Image, Page, Picture, cam_page, cam_summary, html};
@@ -120,25 +120,32 @@ fn without_a_scene_the_page_has_words_and_the_map_alone() {
 }
 
 #[test]
-fn the_page_of_a_table_part_is_a_map_from_above_with_its_undercuts() {
-    // A block on a thin leg: its overhang lies under it, so from above all is within reach.
-    let mut part = shapes::cuboid(&Aabb {
-        min: Point3::new(0.0, 0.0, 20.0),
-        max: Point3::new(60.0, 40.0, 40.0),
-    });
-    part.append(shapes::cuboid(&Aabb {
-        min: Point3::new(25.0, 15.0, 0.0),
-        max: Point3::new(35.0, 25.0, 20.0),
-    }));
+fn the_page_of_a_table_part_is_a_map_from_above_of_what_the_tool_cannot_enter() {
+    // A round bar with a groove narrower than the tool.
+    let mut part = shapes::stub(64, 20.0, 0.0, 30.0);
+    part.append(shapes::stub(64, 14.0, 30.0, 34.0));
+    part.append(shapes::stub(64, 20.0, 34.0, 60.0));
+    let part = shapes::subdivide(&part);
     let options = CamOptions { pitch: Some(4.0), step: Some(2.0), ..CamOptions::default() };
-    let planned = cut(Surface::Mesh(part), "mill-3axis", "ball:3", &options);
+    let planned = cut(Surface::Mesh(part), "mill-3axis", "ball:6", &options);
     let page = page_of(&planned);
-    assert!(pictures(&page)[2].caption.starts_with("The surface seen from above"));
-    assert!(pictures(&page)[2].caption.contains("Orange: undercut"));
+    show(&page, "groove.html");
+    let captions: Vec<_> = pictures(&page).iter().map(|picture| &picture.caption).collect();
+    assert_eq!(captions.len(), 4);
+    assert!(captions[2].starts_with("The surface seen from above"), "{}", captions[2]);
     assert_eq!(page.figures.last().unwrap().label, "Z travel");
+}
+
+#[test]
+fn a_part_of_few_triangles_has_no_map() {
+    let block = Aabb { min: Point3::origin(), max: Point3::new(60.0, 40.0, 20.0) };
+    let options = CamOptions { pitch: Some(4.0), overrun: Some(2.0), ..CamOptions::default() };
+    let block = Surface::Mesh(shapes::cuboid(&block));
+    let page = page_of(&cut(block, "mill-3axis", "ball:3", &options));
     show(&page, "block.html");
-    let chiral = cut(Surface::Mesh(chiral(6_000)), "mill-3axis", "ball:3", &options);
-    show(&page_of(&chiral), "table.html");
+    assert_eq!(pictures(&page).len(), 3);
+    // Underside and walls are undercut, the top is not.
+    assert_eq!(row(&page, "Reach and travel", "the tool touches")[1], "2400.0");
 }
 
 #[test]

@@ -72,7 +72,7 @@ fn figures(report: &CamReport) -> Vec<Figure> {
     figures.push(figure("Stock assumed", format!("≤ {:.1}", report.stock), "mm"));
     if let Some(travel) = attack_travel(&report.program) {
         // Outwards to whole numbers; the program's own stand in its table.
-        let range = format!("{} to {}", travel.least.floor(), travel.greatest.ceil());
+        let range = format!("{}–{}", travel.least.floor(), travel.greatest.ceil());
         figures.push(figure(&format!("{} travel", travel.axis), range, travel.unit));
     }
     figures

@@ -14,17 +14,28 @@ const MOST_COLUMNS: f64 = 240.0;
 /// Seen from above, gaps between places are this many cells wide at most; beyond lies the table.
 const WIDEST_GAP: usize = 2;
 
-/// The map, unless there is no place that stays uncut.
+/// A tool less than this off the surface is taken to touch it [mm].
+const TOUCHES: f64 = 0.02;
+/// This share of the places the tool stays off lies within the scale.
+const SHARE_WITHIN: f64 = 0.9;
+/// Fewer places than this make no picture.
+const FEWEST_PLACES: usize = 500;
+
+/// The map, unless it would show nothing: all is reached, or the triangles are too few.
 pub(super) fn picture(
     reach: &ReachReport,
     setup: &SetupReport,
 ) -> std::io::Result<Option<Picture>> {
-    let missed = reach.undercut + reach.hollow + reach.clamped;
-    if reach.places.is_empty() || missed <= 0.0 {
+    let is_turned = setup.swing > 0.0;
+    // On a table undercuts lie on the underside, which the map does not show.
+    let turned_away = if is_turned { reach.undercut } else { 0.0 };
+    let missed = turned_away + reach.hollow + reach.clamped;
+    if reach.places.len() < FEWEST_PLACES || missed <= 0.0 {
         return Ok(None);
     }
-    let is_turned = setup.swing > 0.0;
-    let grid = if is_turned { unrolled(reach) } else { from_above(reach) };
+    let cut = cut_at(&reach.places);
+    let grid =
+        if is_turned { unrolled(&reach.places, cut) } else { from_above(&reach.places, cut) };
     let labels = if is_turned {
         Labels { x: "X along the spindle [mm]", y: "angle about it [deg]" }
     } else {
@@ -36,25 +47,22 @@ pub(super) fn picture(
         "The surface seen from above; what lies under another place is not shown. "
     };
     let undercut = if reach.undercut > 0.0 { " Orange: undercut, never reached." } else { "" };
-    let cut = if reach.deepest > 0.0 && reach.clamped > 0.0 {
-        " Under clamps it may be more than the scale shows."
-    } else {
-        ""
-    };
     Ok(Some(Picture {
         title: "How far the tool stays off.".to_owned(),
-        caption: format!("{view}Dark: the tool touches.{undercut}{cut}"),
+        caption: format!(
+            "{view}Dark: the tool touches. Brightest: it stays off by {cut:.2} mm or more.{undercut}"
+        ),
         image: Image::Svg(heat_map(&grid, labels, "mm")?),
     }))
 }
 
 /// X by angle about it. Where places lie over each other the worst counts.
-fn unrolled(reach: &ReachReport) -> Grid {
-    let x = extent(&reach.places, |place| place.point.x);
+fn unrolled(places: &[Place], cut: f64) -> Grid {
+    let x = extent(places, |place| place.point.x);
     let angle = |place: &Place| place.point.z.atan2(place.point.y).rem_euclid(TAU).to_degrees();
-    let mut map = Map::new(reach.places.len(), x, [0.0, 360.0]);
-    for place in &reach.places {
-        map.add([place.point.x, angle(place)], shown(place.off, reach), f64::max);
+    let mut map = Map::new(places.len(), x, [0.0, 360.0]);
+    for place in places {
+        map.add([place.point.x, angle(place)], shown(place.off, cut), f64::max);
     }
     while map.fill(true) {}
     map.grid
@@ -62,14 +70,14 @@ fn unrolled(reach: &ReachReport) -> Grid {
 
 /// X by Y. An underside is an undercut as well, but what counts is the surface over it: undercuts
 /// go only where that leaves room.
-fn from_above(reach: &ReachReport) -> Grid {
-    let x = extent(&reach.places, |place| place.point.x);
-    let y = extent(&reach.places, |place| place.point.y);
-    let mut map = Map::new(reach.places.len(), x, y);
+fn from_above(places: &[Place], cut: f64) -> Grid {
+    let x = extent(places, |place| place.point.x);
+    let y = extent(places, |place| place.point.y);
+    let mut map = Map::new(places.len(), x, y);
     let (upper, under): (Vec<&Place>, Vec<&Place>) =
-        reach.places.iter().partition(|place| place.off.is_finite());
+        places.iter().partition(|place| place.off.is_finite());
     for place in upper {
-        map.add([place.point.x, place.point.y], shown(place.off, reach), f64::max);
+        map.add([place.point.x, place.point.y], shown(place.off, cut), f64::max);
     }
     for _ in 0..WIDEST_GAP {
         map.fill(false);
@@ -80,9 +88,17 @@ fn from_above(reach: &ReachReport) -> Grid {
     map.grid
 }
 
-/// Under a clamp the tool may stay off by centimetres; next to that no hollow would be seen.
-fn shown(off: f64, reach: &ReachReport) -> f64 {
-    if off.is_finite() && reach.deepest > 0.0 { off.min(reach.deepest) } else { off }
+/// Where the scale ends: under a clamp, or in a fold of a scan, the tool may stay off by
+/// centimetres, and next to that no hollow would be seen.
+fn cut_at(places: &[Place]) -> f64 {
+    let off = places.iter().map(|place| place.off);
+    let mut off: Vec<f64> = off.filter(|off| (TOUCHES..f64::INFINITY).contains(off)).collect();
+    off.sort_unstable_by(f64::total_cmp);
+    off.get((off.len() as f64 * SHARE_WITHIN) as usize).map_or(TOUCHES, |&off| off)
+}
+
+fn shown(off: f64, cut: f64) -> f64 {
+    if off.is_finite() { off.min(cut) } else { off }
 }
 
 fn extent(places: &[Place], coordinate: impl Fn(&Place) -> f64) -> [f64; 2] {
@@ -133,5 +149,69 @@ impl Map {
             self.grid.values[i] = worst;
         }
         filled
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Point3;
+
+    /// A tube along X, touched everywhere but near X = 10, where the tool stays 3 mm off.
+    fn tube() -> Vec<Place> {
+        let place = |i: usize| {
+            let (x, angle) = (20.0 * (i / 60) as f64 / 39.0, TAU * (i % 60) as f64 / 60.0);
+            let point = Point3::new(x, 30.0 * angle.cos(), 30.0 * angle.sin());
+            Place { point, off: if (x - 10.0).abs() < 2.0 { 3.0 } else { 0.0 } }
+        };
+        (0..2400).map(place).collect()
+    }
+
+    #[test]
+    fn the_unrolled_map_has_x_to_the_right_and_no_holes() {
+        let grid = unrolled(&tube(), 3.0);
+        assert_eq!((grid.x, grid.y), ([0.0, 20.0], [0.0, 360.0]));
+        for row in grid.values.chunks(grid.n_columns) {
+            let middle = grid.n_columns / 2;
+            assert_eq!([row[0], row[middle], row[grid.n_columns - 1]], [0.0, 3.0, 0.0]);
+        }
+    }
+
+    #[test]
+    fn an_undercut_is_seen_where_the_surface_is_unrolled() {
+        let mut places = tube();
+        // At 90 degrees, towards Z, near the end.
+        places[39 * 60 + 15].off = f64::INFINITY;
+        let grid = unrolled(&places, 3.0);
+        let at = grid.values.iter().position(|value| value.is_infinite()).unwrap();
+        let n_rows = grid.values.len() / grid.n_columns;
+        assert_eq!(at % grid.n_columns, grid.n_columns - 1);
+        assert!(((at / grid.n_columns) as f64 / n_rows as f64 - 0.25).abs() < 0.05);
+    }
+
+    #[test]
+    fn an_underside_is_not_seen_from_above_and_the_table_beside_the_part_is_nothing() {
+        // A sheet over the left half of the table, and its underside; a post far to the right.
+        let place = |x, y, z, off| Place { point: Point3::new(x, y, z), off };
+        let over = |i: i32| (f64::from(i % 50), f64::from(i / 50));
+        let mut places = Vec::new();
+        for (x, y) in (0..2500).map(over) {
+            places.push(place(x, y, 5.0, 0.0));
+            places.push(place(x, y, 0.0, f64::INFINITY));
+        }
+        places.push(place(100.0, 25.0, 5.0, 1.0));
+        let grid = from_above(&places, 1.0);
+        assert!(!grid.values.iter().any(|value| value.is_infinite()));
+        assert!(grid.values[grid.n_columns - 1].is_nan(), "the corner right of the sheet");
+        assert_eq!(grid.values[0], 0.0);
+    }
+
+    #[test]
+    fn the_scale_leaves_out_the_few_places_far_beyond_the_others() {
+        let off = |off| Place { point: Point3::origin(), off };
+        let mut places: Vec<Place> = (0..100).map(|i| off(f64::from(i) / 100.0)).collect();
+        places.extend([off(120.0), off(f64::INFINITY)]);
+        assert!((0.8..1.0).contains(&cut_at(&places)), "{}", cut_at(&places));
+        assert_eq!(cut_at(&[off(0.0), off(f64::INFINITY)]), TOUCHES);
     }
 }

@@ -16,8 +16,8 @@ const CLOSEST_LINES: f64 = 0.012;
 /// Points of the path closer than this share are one to the eye.
 const CLOSEST_POINTS: f64 = 0.0008;
 /// A contact that jumps farther than this share leaves the surface: nothing is drawn there.
-const WIDEST_JUMP: f64 = 0.06;
-/// Points of a cloud that are drawn, about.
+const WIDEST_JUMP: f64 = 0.025;
+/// Points of a cloud, or of its clamps, that are drawn, about.
 const MOST_DOTS: usize = 40_000;
 /// What the dots of a cloud cover between them, front and back: enough to hide the back [px2].
 const DOTS_COVER: f64 = 1.2e6;
@@ -91,20 +91,24 @@ fn picture_of_points(
         .iter()
         .map(depth)
         .fold((f64::MAX, f64::MIN), |(near, far), d| (near.min(d), far.max(d)));
-    let stride = points.len().div_ceil(MOST_DOTS).max(1);
-    let n_dots = points.len().div_ceil(stride).max(1);
-    let width_px = (DOTS_COVER / n_dots as f64).sqrt().clamp(DOT_WIDTH_PX[0], DOT_WIDTH_PX[1]);
     let back =
         camera.direction.normalize() * (DOTS_STAND_BACK * Aabb::around(points).size().norm());
-    let dot = |i: usize| {
-        let share = (depth(&points[i]) - near) / (far - near).max(f64::MIN_POSITIVE);
-        let color = if i < n_own { PART } else { CLAMPS };
-        // A line from a point to itself.
-        ([points[i] + back; 2], shaded(color, share))
-    };
-    let dots: Vec<([Point3; 2], [u8; 3])> = (0..points.len()).step_by(stride).map(dot).collect();
+    let (own, clamps) = points.split_at(n_own.min(points.len()));
+    let mut dots = Vec::new();
+    for (points, color) in [(own, PART), (clamps, CLAMPS)] {
+        let stride = points.len().div_ceil(MOST_DOTS).max(1);
+        let width_px = (DOTS_COVER * stride as f64 / points.len() as f64).sqrt();
+        let width_px = width_px.clamp(DOT_WIDTH_PX[0], DOT_WIDTH_PX[1]);
+        for point in points.iter().step_by(stride) {
+            let share = (depth(point) - near) / (far - near).max(f64::MIN_POSITIVE);
+            // A line from a point to itself.
+            dots.push(([point + back; 2], shaded(color, share), width_px));
+        }
+    }
     let mut drawn: Vec<Path> = Vec::with_capacity(dots.len() + lines.len());
-    drawn.extend(dots.iter().map(|(points, color)| Path { points, color: *color, width_px }));
+    for (points, color, width_px) in &dots {
+        drawn.push(Path { points, color: *color, width_px: *width_px });
+    }
     drawn.extend(paths(lines));
     encode_png(&render(&Scene { solids: Vec::new(), paths: drawn }, camera))
 }
