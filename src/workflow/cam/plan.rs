@@ -133,7 +133,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         (words, contacts[i].map(|contact| contact.point))
     };
     let toolpath = pass(machine, way.n_positions(), position, pace, progress)?;
-    let run_report = RunReport::new(&way, &tool, pace.cut, options, &heights);
+    let run_report = RunReport::new(&way, &setup, &tool, options, &heights);
     let path = keep_scene.then(|| (heights.touched(), heights.thinned()));
     // A million positions are 60 MB: gone before the program is made.
     drop(contacts);

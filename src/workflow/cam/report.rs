@@ -85,6 +85,8 @@ pub struct RunReport {
     pub step: f64,
     /// The stretch of X run over [mm].
     pub along: [f64; 2],
+    /// How far it runs beyond the part's ends, and how far it would have to cut them whole [mm].
+    pub overrun: [f64; 2],
     /// Material left on purpose [mm].
     pub allowance: f64,
     /// Positions at which the tool meets nothing; they take the height the rule gives them.
@@ -131,11 +133,12 @@ impl RunReport {
     /// Of a run and what came of it.
     pub(super) fn new(
         way: &Trajectory,
+        setup: &Setup,
         tool: &Tool,
-        feed: f64,
         options: &CamOptions,
         heights: &Heights,
     ) -> Self {
+        let allowance = options.allowance.unwrap_or(0.0);
         Self {
             strategy: way.strategy(),
             n_positions: way.n_positions(),
@@ -143,11 +146,12 @@ impl RunReport {
             pitch: way.spacing().pitch_range(),
             step: way.spacing().step,
             along: way.along(),
-            allowance: options.allowance.unwrap_or(0.0),
+            overrun: [setup.part.min.x - way.along()[0], tool.profile.cutter(allowance).reach().x],
+            allowance,
             n_missed: heights.n_missed(),
             off_part: options.off_part.unwrap_or_default().in_words(),
             scallop: scallop(&tool.profile, way, heights.contacts),
-            feed: feed * 60.0,
+            feed: options.feed.unwrap_or(tool.feed * 60.0),
             greatest_rise: heights.greatest_rise(),
         }
     }
@@ -165,6 +169,13 @@ impl CamReport {
             say("digitized on points alone, as in the thesis: between points the tool may cut into \
                  the part; give triangles to be exact"
                 .into());
+        }
+        let [overrun, whole] = self.run.overrun;
+        if overrun < whole - 1e-6 {
+            say(format!(
+                "the tool runs only {overrun:.1} mm beyond the part's ends, where {whole:.1} mm would \
+                 cut them whole: clamp longer or take a narrower tool"
+            ));
         }
         if let Some(reach) = &self.reach {
             let share = |area: f64| 100.0 * area / reach.area;
