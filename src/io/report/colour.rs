@@ -17,6 +17,9 @@ const VIRIDIS: [[u8; 3]; 9] = [
 /// What a place without a value gets: grey enough to lie flat on a light and on a dark page.
 pub(super) const MISSING: [u8; 3] = [150, 156, 165];
 
+/// What a place beyond any scale gets: orange, which no step of the map comes near.
+pub(super) const BEYOND: [u8; 3] = [213, 94, 0];
+
 /// Colours of series after Okabe and Ito (2008), without yellow and black, which vanish on a light
 /// or a dark page.
 pub(super) const SERIES: [&str; 6] =

@@ -17,6 +17,7 @@ mod shade;
 mod svg;
 mod ticks;
 
+pub use cam_page::{cam_page, cam_summary};
 pub use chart::Labels;
 pub use colour::heat;
 pub use html::html;
@@ -25,5 +26,3 @@ pub use png::encode_png;
 pub use raster::{Raster, render};
 pub use scene::{Camera, Path, Scene, Solid};
 pub use svg::{Grid, Series, heat_map, histogram, line_chart};
-
-pub use cam_page::{cam_page, cam_summary};

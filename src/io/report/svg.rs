@@ -5,7 +5,7 @@
 
 use super::Raster;
 use super::chart::{Chart, Labels, PLOT, WIDTH};
-use super::colour::{MISSING, SERIES, heat};
+use super::colour::{BEYOND, MISSING, SERIES, heat};
 use super::ticks::Ticks;
 
 /// More points than twice this many columns are drawn as the range in each column.
@@ -25,7 +25,7 @@ pub struct Series {
 pub struct Grid {
     /// Cells from left to right; `values` holds whole rows of as many.
     pub n_columns: usize,
-    /// Row by row from the bottom up; NaN where there is nothing.
+    /// Row by row from the bottom up; NaN where there is nothing, infinite where no scale would do.
     pub values: Vec<f64>,
     /// The least and the greatest x.
     pub x: [f64; 2],
@@ -105,7 +105,11 @@ pub fn heat_map(grid: &Grid, labels: Labels, value_label: &str) -> std::io::Resu
 fn cells(grid: &Grid, values: &Ticks) -> Raster {
     let n = grid.n_columns.max(1);
     let rows = grid.values.chunks_exact(n).rev();
-    let color = |v: &f64| if v.is_finite() { heat(values.share(*v)) } else { MISSING };
+    let color = |v: &f64| match *v {
+        v if v.is_finite() => heat(values.share(v)),
+        v if v.is_infinite() => BEYOND,
+        _ => MISSING,
+    };
     let pixels: Vec<[u8; 3]> = rows.flatten().map(color).collect();
     Raster { width: n as u32, height: (pixels.len() / n) as u32, pixels }
 }
@@ -209,6 +213,14 @@ mod tests {
             Grid { n_columns: 2, values: vec![0.0, 0.0, 1.0, 1.0], x: [0.0, 1.0], y: [0.0, 1.0] };
         let raster = cells(&grid, &Ticks::around(grid.values.iter().copied(), 5));
         assert_eq!(raster.pixels, [heat(1.0), heat(1.0), heat(0.0), heat(0.0)]);
+    }
+
+    #[test]
+    fn heat_map_tells_what_is_beyond_its_scale_from_nothing() {
+        let values = vec![0.0, f64::NAN, f64::INFINITY, 1.0];
+        let grid = Grid { n_columns: 4, values, x: [0.0, 1.0], y: [0.0, 1.0] };
+        let raster = cells(&grid, &Ticks::around(grid.values.iter().copied(), 5));
+        assert_eq!(raster.pixels, [heat(0.0), MISSING, BEYOND, heat(1.0)]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod check;
 mod convert;
 mod demo;
 mod info;
+mod last;
 mod machine;
 mod restart;
 mod shell;
@@ -53,6 +54,7 @@ enum Command {
     Info(info::InfoArgs),
     /// Convert a part from one format to another.
     Convert(convert::ConvertArgs),
+    Last(last::LastArgs),
     Machine(machine::MachineArgs),
     Tool(tool::ToolArgs),
     Check(check::CheckArgs),
@@ -78,6 +80,7 @@ impl Cli {
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
+            Command::Last(args) => last::run(args, &self.shell),
             Command::Machine(args) => machine::run(args, &self.shell),
             Command::Tool(args) => tool::run(args, &self.shell),
             Command::Completions { shell } => completions(*shell),

@@ -1,0 +1,109 @@
+//! The page of a cam job: what will be cut, how, and what the user must know before it is.
+//!
+//! Everything said stands in the [`CamReport`]; a [`Scene`](cam::Scene) adds the pictures.
+
+mod facts;
+mod reach_map;
+mod summary;
+mod views;
+mod words;
+
+pub use summary::cam_summary;
+
+use super::{Block, Figure, Image, Labels, Page, Picture, Section, Series, line_chart};
+use crate::workflow::cam::{self, CamReport};
+use words::{attack_travel, clock, count, reached_percent, strategy};
+
+/// The page of a job; without a `scene` it has no pictures of the part and its path. An error is
+/// one of encoding a picture.
+pub fn cam_page(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::Result<Page> {
+    let mut sections = Vec::new();
+    if let Some(scene) = scene {
+        sections.push(section("Part and path", views::blocks(scene, report)?));
+    }
+    sections.push(section("Reach and travel", reach_and_travel(report, scene)?));
+    sections.push(section("Run", vec![facts::run(&report.run)]));
+    sections.push(section("Program", facts::program(&report.program)));
+    sections.push(section("Setup", facts::setup(report)));
+    sections.push(section("Machine, tool and part", facts::what(report)));
+    Ok(Page {
+        title: report.part.name.clone(),
+        subtitle: format!(
+            "{} with {} on {}",
+            strategy(report.run.strategy),
+            report.tool[0],
+            report.machine[1]
+        ),
+        warnings: warnings(report),
+        figures: figures(report),
+        sections,
+    })
+}
+
+fn section(title: &str, blocks: Vec<Block>) -> Section {
+    Section { title: title.to_owned(), blocks }
+}
+
+/// What the job warns of; first, if so, that the machine would refuse the program.
+fn warnings(report: &CamReport) -> Vec<String> {
+    let n_violations = report.program.violations.len();
+    let refused = (n_violations > 0).then(|| {
+        let machine = &report.machine[0];
+        format!("the program must not run on {machine}: {n_violations} violations, listed below")
+    });
+    refused.into_iter().chain(report.warnings.iter().cloned()).collect()
+}
+
+/// The few numbers that matter.
+fn figures(report: &CamReport) -> Vec<Figure> {
+    let figure = |label: &str, value: String, unit: &str| Figure {
+        label: label.to_owned(),
+        value,
+        unit: unit.to_owned(),
+    };
+    let mut figures = vec![
+        figure("Time (h:mm:ss)", clock(report.program.seconds), ""),
+        figure("Positions", count(report.run.n_positions), ""),
+    ];
+    if let Some(reach) = &report.reach {
+        figures.push(figure("Surface", format!("{:.1}", reach.area / 100.0), "cm²"));
+        figures.push(figure("Within reach", reached_percent(reach), "%"));
+    }
+    figures.push(figure("Stock assumed", format!("≤ {:.1}", report.stock), "mm"));
+    if let Some(travel) = attack_travel(&report.program) {
+        // Outwards to whole numbers; the program's own stand in its table.
+        let range = format!("{} to {}", travel.least.floor(), travel.greatest.ceil());
+        figures.push(figure(&format!("{} travel", travel.axis), range, travel.unit));
+    }
+    figures
+}
+
+fn reach_and_travel(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::Result<Vec<Block>> {
+    let mut pictures = Vec::new();
+    if let Some(reach) = &report.reach {
+        pictures.extend(reach_map::picture(reach, &report.setup)?);
+    }
+    pictures.extend(scene.map(heights));
+    let mut blocks = Vec::new();
+    if !pictures.is_empty() {
+        blocks.push(Block::Pictures(pictures));
+    }
+    blocks.push(match &report.reach {
+        Some(reach) => facts::reach(reach),
+        None => Block::Text(
+            "Points alone have no area, so what the tool can reach of them is not known.".into(),
+        ),
+    });
+    Ok(blocks)
+}
+
+/// The words of the attack axis, position by position.
+fn heights(scene: &cam::Scene) -> Picture {
+    let series = Series { name: String::new(), points: scene.heights.clone() };
+    let labels = Labels { x: "position", y: "attack axis [mm]" };
+    Picture {
+        title: "Travel of the attack axis.".to_owned(),
+        caption: "Its word at each position of the run, as the program has it.".to_owned(),
+        image: Image::Svg(line_chart(&[series], labels)),
+    }
+}

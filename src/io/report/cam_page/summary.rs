@@ -1,0 +1,96 @@
+//! A cam report in a dozen lines for the terminal.
+
+use super::words::{clock, count, fine, pitch, range, reached_percent, strategy, tool};
+use crate::cam::{ReachReport, Strategy};
+use crate::gcode::AxisBounds;
+use crate::workflow::cam::{CamReport, RunReport};
+use std::fmt::Write as _;
+
+/// What `horma cam` tells people: names left, values right, warnings last, where the eye is.
+pub fn cam_summary(report: &CamReport) -> String {
+    let [x, y, z] = report.part.size;
+    let (part, setup, program) = (&report.part, &report.setup, &report.program);
+    let mut lines = Lines::default();
+    let extent = format!("{x:.1} x {y:.1} x {z:.1} mm");
+    lines.add(
+        "part",
+        format!("{}, {} {}, {extent}", part.name, count(part.n_primitives), part.mode),
+    );
+    lines.add("machine", format!("{}: {}", report.machine[0], report.machine[1]));
+    lines.add("tool", tool(&report.tool));
+    let spindle = if setup.swing > 0.0 {
+        format!(", greatest radius {:.1} mm", setup.swing)
+    } else {
+        String::new()
+    };
+    let mirrored = if setup.mirrored { ", mirrored" } else { "" };
+    lines.add("setup", format!("X {} mm{spindle}{mirrored}", range(setup.part_x)));
+    lines.add("run", run(&report.run));
+    if let Some(reach) = &report.reach {
+        lines.add("reach", self::reach(reach));
+    }
+    lines.add("stock", format!("at most {:.1} mm", report.stock));
+    for AxisBounds { axis, unit, least, greatest } in &program.bounds {
+        lines.add(&axis.to_string(), format!("{least:.3} to {greatest:.3} {unit}"));
+    }
+    let (blocks, feeding) = (count(program.n_blocks), clock(program.feed_seconds));
+    lines.add("program", format!("{blocks} blocks"));
+    lines.add("time", format!("{}, {feeding} of it feeding (h:mm:ss)", clock(program.seconds)));
+    for note in &part.notes {
+        lines.add("note", note);
+    }
+    for warning in &report.warnings {
+        lines.add("warning", warning);
+    }
+    if let Some(first) = program.violations.first() {
+        let n = program.violations.len();
+        lines.add("violations", format!("{n}, the first in line {}: {}", first.line, first.kind));
+    }
+    lines.0
+}
+
+fn run(run: &RunReport) -> String {
+    let spacing = match run.strategy {
+        Strategy::Helix | Strategy::Rings => {
+            format!("pitch {} mm, {} a turn", pitch(run.pitch), run.per_turn)
+        }
+        Strategy::Lines => format!("{} lines, step {} mm", run.per_turn, fine(run.step)),
+        Strategy::Raster => format!("pitch {} mm, step {} mm", pitch(run.pitch), fine(run.step)),
+    };
+    let mut text =
+        format!("{}, {} positions, {spacing}", strategy(run.strategy), count(run.n_positions));
+    if run.allowance > 0.0 {
+        let _ = write!(text, ", {} mm left on", fine(run.allowance));
+    }
+    if let Some(scallop) = run.scallop {
+        let _ = write!(text, ", ridges up to {scallop:.3} mm");
+    }
+    if run.n_missed > 0 {
+        let _ = write!(text, ", {} positions meet nothing", count(run.n_missed));
+    }
+    text
+}
+
+fn reach(reach: &ReachReport) -> String {
+    let mut text = format!("{} % of {:.0} mm2", reached_percent(reach), reach.area);
+    let missed = [
+        (reach.clamped, "under clamps"),
+        (reach.hollow, "in hollows"),
+        (reach.undercut, "undercut"),
+    ];
+    for (area, what) in missed.into_iter().filter(|(area, _)| *area >= 0.5) {
+        let _ = write!(text, ", {area:.0} {what}");
+    }
+    text
+}
+
+/// Names left, values right.
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, name: &str, value: impl AsRef<str>) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.0, "{name:<12}{}", value.as_ref());
+    }
+}
