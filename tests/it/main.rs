@@ -2,7 +2,10 @@
 
 mod bad_files;
 mod command;
+mod digitize;
+mod digitize_cases;
 mod docs;
+mod dropping;
 mod formats;
 mod layers;
 mod licences;
@@ -11,5 +14,7 @@ mod machines;
 mod oracles;
 mod output;
 mod parts;
+mod random_cases;
 mod shapes;
 mod source;
+mod textbook;
