@@ -4,6 +4,8 @@ mod bad_files;
 mod command;
 mod digitize;
 mod digitize_cases;
+mod digitize_foot;
+mod digitize_soups;
 mod docs;
 mod dropping;
 mod formats;
