@@ -5,6 +5,9 @@ use crate::geom::Pose;
 use crate::machine::{Axis, AxisValues, Machine};
 use crate::tool::Reach;
 
+/// Room less than this below nothing is rounding [mm].
+const ROUNDING: f64 = 1e-9;
+
 /// Why a part cannot be cut on a machine.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
@@ -72,19 +75,22 @@ fn highest(setup: &Setup, attack_from_part: &Pose) -> f64 {
 }
 
 /// The stretch of X the tool runs over: `overrun` beyond the part, by default so far that it cuts
-/// the part's ends whole, but never into what holds the clamps.
+/// the part's ends whole, or as far as the clamps leave room. What would run into the clamps' far
+/// ends, or not reach the part's, is refused.
 pub fn run_along(
     setup: &Setup,
     machine: &Machine,
     reach: Reach,
     overrun: Option<f64>,
 ) -> Result<[f64; 2], FitError> {
-    let beyond = overrun.unwrap_or(reach.x);
+    let length = (setup.part.min.x - setup.stretch[0]).min(setup.stretch[1] - setup.part.max.x);
+    let is_held = machine.spindle.is_some() && length > 0.0;
+    let room = if is_held { (length - reach.x).max(0.0) } else { f64::INFINITY };
+    let beyond = overrun.unwrap_or(reach.x.min(room));
     let along = [setup.part.min.x - beyond, setup.part.max.x + beyond];
     let rooms = [along[0] - reach.x - setup.stretch[0], setup.stretch[1] - along[1] - reach.x];
-    let is_held = setup.stretch[0] < setup.part.min.x || setup.part.max.x < setup.stretch[1];
     for (end, room) in ["heel", "toe"].into_iter().zip(rooms) {
-        if is_held && machine.spindle.is_some() && room < 0.0 {
+        if is_held && room < -ROUNDING {
             return Err(FitError::Clamp { end, width: 2.0 * reach.x, room });
         }
     }

@@ -13,7 +13,7 @@ pub use clamps::ClampError;
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
 pub use fit::{FitError, clear_word, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
-pub use schedule::{Feeds, pass};
+pub use schedule::{PassOptions, pass};
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};
 pub use toolpath::{Move, Pace, Toolpath};
 pub use trajectory::{Spacing, Strategy, Trajectory, TrajectoryError};

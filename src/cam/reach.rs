@@ -11,7 +11,7 @@ use super::digitize::Digitizer;
 use crate::geom::{Point3, Pose, TriMesh, Vector3};
 use crate::machine::{AxisValues, Machine};
 use crate::progress::{Cancelled, Progress};
-use crate::tool::{Cutter, HeightFunction};
+use crate::tool::Cutter;
 use nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use serde::Serialize;
 
@@ -34,7 +34,8 @@ pub struct ReachReport {
     pub hollow: f64,
     /// Under a clamp or its neighbourhood [mm2].
     pub clamped: f64,
-    /// The most that stays on a hollow, along its normal [mm].
+    /// At most this much stays on a hollow, along its normal: so far the tool keeps off where it
+    /// would touch; what it takes away from elsewhere is not counted [mm].
     pub deepest: f64,
     /// The places tried, for the map; not in files.
     #[serde(skip)]
@@ -77,16 +78,13 @@ pub fn reach(
     let mut report = ReachReport::empty(tried.len());
     for ((&i, facing), contact) in tried.iter().zip(&poses).zip(&contacts) {
         let area = mesh.area_vector(i).norm();
-        let off = match (facing, contact) {
-            (Some(facing), Some(contact)) => {
-                let off = ((contact.height - facing.height) * facing.normal_y).max(0.0);
-                report.count(area, off, n_own <= contact.primitive as usize);
-                off
-            }
-            _ => {
-                report.undercut += area;
-                f64::INFINITY
-            }
+        let off = if let (Some(facing), Some(contact)) = (facing, contact) {
+            let off = ((contact.height - facing.height) * facing.normal_y).max(0.0);
+            report.count(area, off, n_own <= contact.primitive as usize);
+            off
+        } else {
+            report.undercut += area;
+            f64::INFINITY
         };
         report.area += area;
         report.places.push(Place { point: middle(mesh, i), off });
@@ -151,11 +149,7 @@ impl Facing {
         if normal.y < EDGE_ON {
             return None;
         }
-        let support = match cutter {
-            Cutter::Wheel(wheel) => wheel.support(&normal),
-            Cutter::Mill(mill) => mill.support(&normal),
-        };
-        let programmed = point - support;
+        let programmed = point - cutter.support(&normal);
         let shift = Translation3::new(-programmed.x, 0.0, -programmed.z);
         let turn = Pose::from_parts(Translation3::identity(), UnitQuaternion::from(turn));
         Some(Self {

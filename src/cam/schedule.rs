@@ -8,16 +8,18 @@ use crate::geom::Point3;
 use crate::machine::{AxisValues, Machine};
 use crate::progress::{Cancelled, Progress};
 
-/// The speeds of a pass.
+/// How fast a pass goes, and where it is out of the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Feeds {
+pub struct PassOptions {
+    /// The attack word at which nothing can be touched [mm].
+    pub clear: f64,
     /// Of the contact over the part [mm/s].
     pub cut: f64,
     /// Of the plunge into the material [mm/s].
     pub plunge: f64,
 }
 
-/// One pass: down from `clear` onto the first position, through all of them, and up again.
+/// One pass: down from clear onto the first position, through all of them, and up again.
 ///
 /// `position(i)` gives the words of position `i`, attack axis included, and where the tool touches
 /// the part there; where it touches nothing its own way counts.
@@ -25,10 +27,10 @@ pub fn pass(
     machine: &Machine,
     n_positions: usize,
     position: impl Fn(usize) -> (AxisValues, Option<Point3>),
-    clear: f64,
-    feeds: Feeds,
+    options: PassOptions,
     progress: &dyn Progress,
 ) -> Result<Toolpath, Cancelled> {
+    let PassOptions { clear, cut, plunge } = options;
     let mut moves = Vec::with_capacity(n_positions + 2);
     if n_positions == 0 {
         return Ok(Toolpath { moves, clear });
@@ -40,16 +42,15 @@ pub fn pass(
     };
     let (mut words, mut touched) = position(0);
     moves.push(Move { to: lifted(words), pace: Pace::Rapid });
-    moves.push(Move { to: words, pace: Pace::Feed(feeds.plunge) });
+    moves.push(Move { to: words, pace: Pace::Feed(plunge) });
     for i in 1..n_positions {
         let (next, touches) = position(i);
         let way = match (touched, touches) {
             (Some(from), Some(to)) => (to - from).norm(),
             _ => linear_way(machine, &words, &next),
         };
-        let seconds = (way / feeds.cut)
-            .max(axis_time(machine, &words, &next))
-            .max(1.0 / machine.blocks_per_second);
+        let seconds =
+            (way / cut).max(axis_time(machine, &words, &next)).max(1.0 / machine.blocks_per_second);
         moves.push(Move { to: next, pace: Pace::Duration(seconds) });
         (words, touched) = (next, touches);
         if i % 4096 == 0 {
@@ -87,8 +88,8 @@ mod tests {
             let touched = Point3::new(if i == 3 { 50.0 } else { 0.0 }, 0.0, 0.0);
             ([x, y, a, 0.0, 0.0, 0.0], Some(touched))
         };
-        let feeds = Feeds { cut: 25.0, plunge: 5.0 };
-        let path = pass(&machine, 4, at, 200.0, feeds, &Silent).unwrap();
+        let options = PassOptions { clear: 200.0, cut: 25.0, plunge: 5.0 };
+        let path = pass(&machine, 4, at, options, &Silent).unwrap();
         let paces: Vec<Pace> = path.moves.iter().map(|step| step.pace).collect();
         assert_eq!(paces[..2], [Pace::Rapid, Pace::Feed(5.0)]);
         for (pace, seconds) in paces[2..5].iter().zip([1.0, 0.5, 2.0]) {

@@ -164,6 +164,28 @@ impl<'a> Trajectory<'a> {
         values
     }
 
+    /// How it runs over the part.
+    pub fn strategy(&self) -> Strategy {
+        self.strategy
+    }
+
+    /// How far apart its positions and lines are.
+    pub fn spacing(&self) -> &Spacing {
+        &self.spacing
+    }
+
+    /// The stretch of X it runs over [mm].
+    pub fn along(&self) -> [f64; 2] {
+        self.along
+    }
+
+    /// The distance of neighbouring turns, rings or rows at position `i` [mm].
+    pub fn pitch_at(&self, i: usize) -> f64 {
+        let stations = &self.spacing.stations;
+        let row = (i / self.per_row() as usize).clamp(1, (stations.len() - 1).max(1));
+        stations.get(row).map_or(0.0, |x| x - stations[row - 1])
+    }
+
     /// How many positions make a turn, a ring or a line.
     pub fn per_row(&self) -> f64 {
         match self.strategy {
@@ -237,6 +259,15 @@ impl Drives {
 }
 
 impl Spacing {
+    /// The least and the greatest distance of neighbouring stations [mm].
+    pub fn pitch_range(&self) -> [f64; 2] {
+        let pitches = self.stations.windows(2).map(|pair| pair[1] - pair[0]);
+        let range = |[low, high]: [f64; 2], pitch: f64| [low.min(pitch), high.max(pitch)];
+        pitches
+            .fold(None, |found, pitch| Some(range(found.unwrap_or([pitch; 2]), pitch)))
+            .unwrap_or_default()
+    }
+
     /// Stations from `from` to `to`, `pitch` apart or a little less so that the last one fits.
     pub fn even(from: f64, to: f64, pitch: f64) -> Result<Vec<f64>, TrajectoryError> {
         Self::graded(from, to, |_| pitch)

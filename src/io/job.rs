@@ -71,7 +71,7 @@ pub fn read_job(path: &Path) -> Result<JobFile, JobError> {
         *named = named.take().map(|path| folder.join(path));
     }
     if let Some(machine) = &mut job.machine
-        && machine.ends_with(".toml")
+        && Path::new(machine).extension().is_some_and(|extension| extension == "toml")
     {
         *machine = folder.join(&*machine).to_string_lossy().into_owned();
     }

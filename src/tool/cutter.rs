@@ -1,6 +1,7 @@
 //! A profile as digitizing sees it: grown by the allowance, as one of two height functions.
 
-use super::{Mill, Profile, Wheel};
+use super::{HeightFunction, Mill, Profile, Reach, Wheel};
+use crate::geom::Vector3;
 
 /// A profile as digitizing sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,6 +10,24 @@ pub enum Cutter {
     Wheel(Wheel),
     /// Along the attack axis.
     Mill(Mill),
+}
+
+impl Cutter {
+    /// How far it reaches from its programmed point.
+    pub fn reach(&self) -> Reach {
+        match self {
+            Self::Wheel(wheel) => wheel.reach(),
+            Self::Mill(mill) => mill.reach(),
+        }
+    }
+
+    /// Where it touches a plane, from its programmed point; see [`HeightFunction::support`].
+    pub fn support(&self, normal: &Vector3) -> Vector3 {
+        match self {
+            Self::Wheel(wheel) => wheel.support(normal),
+            Self::Mill(mill) => mill.support(normal),
+        }
+    }
 }
 
 impl Profile {

@@ -60,7 +60,6 @@ fn every_subcommand_is_in_the_readme() {
 }
 
 #[test]
-#[ignore = "until every subcommand of the tour is merged"]
 fn every_command_of_the_readme_exists_with_its_flags() {
     let readme = read("README.md");
     let lines: Vec<_> = readme.lines().filter(|line| line.starts_with("horma ")).collect();
@@ -79,7 +78,6 @@ fn every_command_of_the_readme_exists_with_its_flags() {
 }
 
 #[test]
-#[ignore = "until the picture of the demo is made"]
 fn every_picture_of_the_documents_is_there() {
     check_links(true);
 }

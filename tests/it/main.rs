@@ -2,7 +2,12 @@
 
 mod bad_files;
 mod command;
+mod digitize;
+mod digitize_cases;
+mod digitize_foot;
+mod digitize_soups;
 mod docs;
+mod dropping;
 mod formats;
 mod last;
 mod layers;
@@ -15,7 +20,9 @@ mod output;
 mod page;
 mod parts;
 mod programs;
+mod random_cases;
 mod rs274;
 mod shapes;
 mod small_machines;
 mod source;
+mod textbook;

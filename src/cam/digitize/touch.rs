@@ -9,10 +9,15 @@ use crate::tool::HeightFunction;
 
 /// A height below another by less than this may still be rounding [mm].
 const ROUNDING: f64 = 1e-9;
-/// An edge search ends when the next Newton step would gain less than this [mm].
-const LEAST_GAIN: f64 = 1e-13;
+/// An edge search ends when a paraboloid above the tool leaves less than this to gain [mm].
+const LEAST_GAIN: f64 = 1e-12;
+/// Or when a tangent, which rounding lets fall less far, leaves less than this [mm].
+const LEAST_RISE: f64 = 1e-10;
 /// Newton steps, mixed with halvings, before an edge search is cut short; six are usual.
 const MOST_STEPS: usize = 128;
+/// A triangle of less than half this area has only edges: squares of it are no numbers any more
+/// [mm2].
+const LEAST_AREA: f64 = 1e-140;
 /// Below this `normal.y` the facet's contact is too vague to tell which edges it lies behind.
 const STEEP: f64 = 1e-4;
 
@@ -53,12 +58,29 @@ pub enum ContactKind {
 impl Facet {
     pub(super) fn new(mut corners: [Point3; 3]) -> Self {
         let [a, b, c] = corners;
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let across = cross(&(b - a), &(c - a));
+        let normal = across.try_normalize(LEAST_AREA).unwrap_or_else(Vector3::zeros);
         corners.sort_by(|a, b| {
             a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
         });
         Self { corners, normal }
     }
+}
+
+/// The cross product with each coordinate rounded but for its last bits: a sliver's sides are so
+/// nearly parallel that plain products would leave little more than their rounding, and a plane
+/// that misses the corners by far.
+fn cross(u: &Vector3, v: &Vector3) -> Vector3 {
+    // Kahan's difference of products: the rounding of the second is given back.
+    let difference = |a: f64, b: f64, c: f64, d: f64| {
+        let product = c * d;
+        a.mul_add(b, -product) + (-c).mul_add(d, product)
+    };
+    Vector3::new(
+        difference(u.y, v.z, u.z, v.y),
+        difference(u.z, v.x, u.x, v.z),
+        difference(u.x, v.y, u.y, v.x),
+    )
 }
 
 /// Where the tool touches a single point, if it does not pass it by. Morell (2014), eq. 4.7,
@@ -152,6 +174,11 @@ fn on_edge(tool: &impl HeightFunction, p: &Vector3, q: &Vector3, least: f64) -> 
         let kind = if s == 0.0 || s == 1.0 { ContactKind::Vertex } else { ContactKind::Edge };
         Touch { height, at: at(s), kind }
     };
+    // The tool bends everywhere at least so much, so that from a slope less than the square root of
+    // `level` nothing is left to gain. What the local bend promises is no bound: past a corner arc
+    // lies a flat or a flank with a slope that is small but does not end.
+    let [bend_x, bend_z] = tool.least_bend();
+    let level = 2.0 * LEAST_GAIN * (bend_x * way.x * way.x + bend_z * way.z * way.z);
     let [mut low, mut high] = ends;
     let mut end_seen = [false; 2];
     let mut s = f64::midpoint(low, high);
@@ -160,12 +187,11 @@ fn on_edge(tool: &impl HeightFunction, p: &Vector3, q: &Vector3, least: f64) -> 
         let (value, slope, bend) = climb(s);
         height = value;
         // A tangent of a concave function bounds all of it.
-        let bound = value + (slope * (high - s)).max(slope * (low - s));
-        if bound + ROUNDING < least {
+        let rise = (slope * (high - s)).max(slope * (low - s));
+        if value + rise + ROUNDING < least {
             return None;
         }
-        let gain = slope * slope / (-2.0 * bend);
-        if gain < LEAST_GAIN || high <= low {
+        if slope * slope < level || rise < LEAST_RISE || high <= low {
             break;
         }
         let uphill = usize::from(0.0 < slope);

@@ -1,7 +1,9 @@
 //! From a part to a program: set up, run, digitize, schedule, post, read back, report.
 
+mod heights;
 mod options;
 mod plan;
+mod program;
 mod report;
 mod spacing;
 

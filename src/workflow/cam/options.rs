@@ -220,6 +220,18 @@ impl CamOptions {
     }
 }
 
+impl OffPart {
+    /// The rule as reports put it.
+    pub(super) fn in_words(self) -> &'static str {
+        match self {
+            Self::Hold => {
+                "hold: a position that meets nothing keeps the height of the last that did"
+            }
+            Self::Clear => "clear: a position that meets nothing is clear of the part",
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

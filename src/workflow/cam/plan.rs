@@ -1,17 +1,19 @@
 //! The job itself, step by step.
 
-use super::options::{CamOptions, Mode, OffPart, OptionsError};
+use super::heights::Heights;
+use super::options::{CamOptions, Mode, OptionsError};
+use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
-    Contact, Digitizer, Feeds, FitError, Move, Part, Setup, SetupError, Stand, Strategy, Toolpath,
-    Trajectory, TrajectoryError, clear_word, pass, reach, run_along, set_up, within,
+    Digitizer, FitError, Part, PassOptions, Setup, SetupError, Stand, Strategy, Trajectory,
+    TrajectoryError, clear_word, pass, reach, run_along, set_up, within,
 };
-use crate::gcode::{self, CheckReport, Dialect, Header, PostError, Posted};
+use crate::gcode::{self, Dialect, PostError};
 use crate::geom::{Point3, Surface};
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine, MachineError};
 use crate::progress::{Cancelled, Progress};
-use crate::tool::{Cutter, HeightFunction, Profile, Reach, Tool, ToolError};
+use crate::tool::{Profile, Reach, Tool, ToolError};
 
 /// What a job is made from.
 #[derive(Debug, Clone)]
@@ -108,92 +110,67 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     options.check()?;
     tool.profile.check()?;
     machine.check_tool(&tool)?;
-    let allowance = options.allowance.unwrap_or(0.0);
-    let cutter = tool.profile.cutter(allowance);
+    let cutter = tool.profile.cutter(options.allowance.unwrap_or(0.0));
     let setup = set_up(in_mode(surface, options.mode)?, machine, &options.setup()?)?;
     let part = prepared(&setup.surface);
     let digitizer = Digitizer { part: &part, cutter, method: options.method.unwrap_or_default() };
 
-    let tool_reach = reach_of(&cutter);
-    let rest = held(machine, &options.hold)?;
-    let clear = clear_word(&setup, machine, &rest, tool_reach)?;
-    let run = run_of(&setup, machine, options, tool_reach, rest)?;
+    let stand = Stand { machine, rest: held(machine, &options.hold)? };
+    let clear = clear_word(&setup, machine, &stand.rest, cutter.reach())?;
+    let run = run_of(&setup, stand, options, cutter.reach())?;
     let spacing = spacing::spacing(&run, &digitizer, &tool.profile, options, progress)?;
-    let (per_turn, step, stations) = (spacing.per_turn, spacing.step, spacing.stations.clone());
-    let way = Trajectory::new(machine, run.strategy, run.along, spacing, &rest)?;
-    let n_positions = way.n_positions();
+    let way = Trajectory::new(machine, run.strategy, run.along, spacing, &stand.rest)?;
     within_travel(machine, &way)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
-    let contacts = digitizer.run(n_positions, pose, progress)?;
+    let contacts = digitizer.run(way.n_positions(), pose, progress)?;
     let rule = options.off_part.unwrap_or_default();
     let heights = Heights::new(&contacts, rule, machine, clear).ok_or(CamError::Missed)?;
 
-    let feeds = Feeds {
-        cut: options.feed.map_or(tool.feed, |feed| feed / 60.0),
-        plunge: tool.plunge_feed.min(options.feed.map_or(f64::INFINITY, |feed| feed / 60.0)),
-    };
+    let pace = pace(&tool, options, clear);
     let position = |i: usize| {
         let mut words = way.values(i);
         words[machine.attack] = heights.word(i);
         (words, contacts[i].map(|contact| contact.point))
     };
-    let toolpath = pass(machine, n_positions, position, clear, feeds, progress)?;
-    let per_row = way.per_row() as usize;
-    let run_report = RunReport {
-        strategy: run.strategy,
-        n_positions,
-        per_turn,
-        pitch: pitch_range(&stations),
-        step,
-        along: run.along,
-        allowance,
-        n_missed: contacts.iter().filter(|contact| contact.is_none()).count(),
-        off_part: rule.in_words(),
-        scallop: spacing::scallop(
-            &tool.profile,
-            run.strategy,
-            |i| pitch_near(&stations, i / per_row),
-            &contacts,
-        ),
-        feed: feeds.cut * 60.0,
-        greatest_rise: heights.greatest_rise(n_positions),
-    };
-    let scene_path = keep_scene.then(|| {
-        let path = contacts.iter().flatten().map(|contact| contact.point).collect();
-        (path, heights.thinned(n_positions))
-    });
+    let toolpath = pass(machine, way.n_positions(), position, pace, progress)?;
+    let run_report = RunReport::new(&way, &setup, &tool, options, &heights);
+    let path = keep_scene.then(|| (heights.touched(), heights.thinned()));
+    // A million positions are 60 MB: gone before the program is made.
     drop(contacts);
 
     let reach = match &setup.surface {
-        Surface::Mesh(mesh) => {
-            Some(reach(&digitizer, &Stand { machine, rest }, mesh, setup.n_own, progress)?)
-        }
+        Surface::Mesh(mesh) => Some(reach(&digitizer, &stand, mesh, setup.n_own, progress)?),
         _ => None,
     };
     let stock = options.stock.unwrap_or_else(|| depth_of_cut(&tool.profile));
     let tool = Tool { speed_rpm: options.speed.unwrap_or(tool.speed_rpm), ..tool };
     let header = header(&name, &tool, machine, options, stock);
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
-    let (text, program, warnings) = write_and_read_back(posted, dialect, machine, &toolpath)?;
+    let written = write_and_read_back(posted, dialect, machine, &toolpath)?;
     let mut report = CamReport {
-        part: part_report(name, &setup, notes),
+        part: PartReport::new(name, &setup, notes),
         machine: [machine.name.clone(), machine.title.clone()],
         tool: [tool.name.clone(), tool.profile.to_string()],
-        setup: setup_report(&setup, options),
+        setup: SetupReport::new(&setup, options),
         run: run_report,
         reach,
         stock,
-        program,
-        warnings,
+        program: written.check,
+        warnings: written.warnings,
     };
     report.warn();
-    let scene = scene_path.map(|(path, heights)| Scene {
+    let scene = path.map(|(path, heights)| Scene {
         surface: setup.surface,
         n_own: setup.n_own,
         path,
         heights,
     });
-    Ok(Plan { text, report, scene })
+    Ok(Plan { text: written.text, report, scene })
+}
+
+fn pace(tool: &Tool, options: &CamOptions, clear: f64) -> PassOptions {
+    let cut = options.feed.map_or(tool.feed, |feed| feed / 60.0);
+    PassOptions { clear, cut, plunge: tool.plunge_feed.min(cut) }
 }
 
 fn in_mode(surface: Surface, mode: Option<Mode>) -> Result<Surface, CamError> {
@@ -217,13 +194,6 @@ fn prepared(surface: &Surface) -> Part {
     }
 }
 
-fn reach_of(cutter: &Cutter) -> Reach {
-    match cutter {
-        Cutter::Wheel(wheel) => wheel.reach(),
-        Cutter::Mill(mill) => mill.reach(),
-    }
-}
-
 /// The words of all axes at rest, some of them held elsewhere by the user.
 fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
     let mut rest = machine.at_rest();
@@ -243,23 +213,23 @@ fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
     Ok(rest)
 }
 
+/// Where the run goes: by default around a part on a spindle, over one on a table.
 fn run_of<'a>(
     setup: &Setup,
-    machine: &'a Machine,
+    stand: Stand<'a>,
     options: &CamOptions,
     reach: Reach,
-    rest: AxisValues,
 ) -> Result<Run<'a>, CamError> {
-    let usual = if machine.spindle.is_some() { Strategy::Helix } else { Strategy::Raster };
+    let has_spindle = stand.machine.spindle.is_some();
+    let usual = if has_spindle { Strategy::Helix } else { Strategy::Raster };
     let strategy = options.strategy.unwrap_or(usual);
-    let (along, stations) = if machine.spindle.is_some() && strategy != Strategy::Raster {
-        let along = run_along(setup, machine, reach, options.overrun)?;
-        (along, along)
+    let [along, stations] = if has_spindle && strategy != Strategy::Raster {
+        [run_along(setup, stand.machine, reach, options.overrun)?; 2]
     } else {
         let beyond = [options.overrun.unwrap_or(reach.x), options.overrun.unwrap_or(reach.z)];
-        over_part(setup, machine, &rest, beyond)
+        over_part(setup, &stand, beyond)
     };
-    Ok(Run { machine, strategy, along, stations, rest })
+    Ok(Run { stand, strategy, along, stations })
 }
 
 /// Refuses a trajectory that leaves an axis' travel, before it is digitized.
@@ -281,74 +251,15 @@ fn within_travel(machine: &Machine, way: &Trajectory) -> Result<(), FitError> {
 }
 
 /// The part's extent across the attack axis, as it stands, and `beyond` it.
-fn over_part(
-    setup: &Setup,
-    machine: &Machine,
-    rest: &AxisValues,
-    beyond: [f64; 2],
-) -> ([f64; 2], [f64; 2]) {
-    let attack_from_part = machine.attack_from_part(rest);
-    let own = setup.own_points();
+fn over_part(setup: &Setup, stand: &Stand, beyond: [f64; 2]) -> [[f64; 2]; 2] {
+    let attack_from_part = stand.machine.attack_from_part(&stand.rest);
     let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    for seen in own.map(|point| attack_from_part * point) {
+    for seen in setup.own_points().map(|point| attack_from_part * point) {
         for (range, at) in range.iter_mut().zip([seen.x, seen.z]) {
             *range = [range[0].min(at), range[1].max(at)];
         }
     }
-    let [x, z] = [0, 1].map(|k| [range[k][0] - beyond[k], range[k][1] + beyond[k]]);
-    (x, z)
-}
-
-/// The attack words of all positions, missed ones by their rule.
-struct Heights<'a> {
-    contacts: &'a [Option<Contact>],
-    machine: &'a Machine,
-    /// For missed positions: clear, or held from the position this many before.
-    missed: Option<Vec<(usize, f64)>>,
-    clear: f64,
-}
-
-impl<'a> Heights<'a> {
-    /// `None` if the tool meets nothing anywhere.
-    fn new(
-        contacts: &'a [Option<Contact>],
-        rule: OffPart,
-        machine: &'a Machine,
-        clear: f64,
-    ) -> Option<Self> {
-        let first = contacts.iter().flatten().next()?.height;
-        let held = (rule == OffPart::Hold).then(|| {
-            let mut held = Vec::new();
-            let mut last = first;
-            for (i, contact) in contacts.iter().enumerate() {
-                match contact {
-                    Some(contact) => last = contact.height,
-                    None => held.push((i, last)),
-                }
-            }
-            held
-        });
-        Some(Self { contacts, machine, missed: held, clear })
-    }
-
-    fn word(&self, i: usize) -> f64 {
-        let height = match (&self.contacts[i], &self.missed) {
-            (Some(contact), _) => contact.height,
-            (None, None) => return self.clear,
-            (None, Some(held)) => held[held.partition_point(|(at, _)| *at < i)].1,
-        };
-        self.machine.axes[self.machine.attack].word(height)
-    }
-
-    fn greatest_rise(&self, n: usize) -> f64 {
-        let rises = (1..n).map(|i| (self.word(i) - self.word(i - 1)).abs());
-        rises.fold(0.0, f64::max)
-    }
-
-    fn thinned(&self, n: usize) -> Vec<[f64; 2]> {
-        let stride = n.div_ceil(20_000).max(1);
-        (0..n).step_by(stride).map(|i| [i as f64, self.word(i)]).collect()
-    }
+    [0, 1].map(|k| [range[k][0] - beyond[k], range[k][1] + beyond[k]])
 }
 
 /// How deep a nose may go into uncut material where nobody says otherwise [mm]: a wheel or ball by
@@ -360,140 +271,6 @@ fn depth_of_cut(profile: &Profile) -> f64 {
         Profile::BallCone { tip_radius, .. } => tip_radius,
         Profile::Flat { radius } | Profile::Bull { radius, .. } | Profile::Cone { radius, .. } => {
             radius / 2.0
-        }
-    }
-}
-
-fn header(name: &str, tool: &Tool, machine: &Machine, options: &CamOptions, stock: f64) -> Header {
-    let asked = serde_json::to_string(options).unwrap_or_default();
-    Header {
-        lines: vec![
-            format!("part {name}"),
-            format!("machine {}", machine.name),
-            format!("tool T{} {}: {}", tool.number, tool.name, tool.profile),
-            format!("options {asked}"),
-            format!("made by horma {}", env!("CARGO_PKG_VERSION")),
-        ],
-        stock: Some(stock),
-    }
-}
-
-/// The program as bytes, what reading them back says, and what the post had to say.
-fn write_and_read_back(
-    posted: Posted,
-    dialect: &Dialect,
-    machine: &Machine,
-    toolpath: &Toolpath,
-) -> Result<(Vec<u8>, CheckReport, Vec<String>), CamError> {
-    let warnings = posted.warnings.iter().map(ToString::to_string).collect();
-    let mut text = Vec::new();
-    // Writing into memory does not fail.
-    let _ = gcode::write(&posted.program, dialect, &mut text);
-    drop(posted);
-    let lost = |_| CamError::ReadBack { i_move: 0 };
-    let program = gcode::read(&mut text.as_slice(), machine).map_err(lost)?;
-    let mut ends = program.steps(machine).filter_map(|step| step.values(&program));
-    for (i_move, planned) in toolpath.moves.iter().enumerate() {
-        // Start-up moves, and moves too small for a word, have no one block of their own.
-        if !ends.any(|end| is_near(machine, &end, planned, dialect)) {
-            return Err(CamError::ReadBack { i_move });
-        }
-    }
-    Ok((text, gcode::check(&program, machine), warnings))
-}
-
-/// Within half the last decimal of every word.
-fn is_near(machine: &Machine, end: &AxisValues, planned: &Move, dialect: &Dialect) -> bool {
-    // A hundredth more: the comparison itself is rounded.
-    let half = |decimals: u8| 0.505 * 10f64.powi(-i32::from(decimals));
-    machine.axes.iter().enumerate().filter(|(_, axis)| axis.follows.is_none()).all(|(i, axis)| {
-        let allowed = match axis.kind {
-            AxisKind::Linear => half(dialect.decimals.linear),
-            AxisKind::Rotary => half(dialect.decimals.rotary).to_radians(),
-        };
-        (end[i] - planned.to[i]).abs() <= allowed
-    })
-}
-
-fn part_report(name: String, setup: &Setup, notes: Vec<String>) -> PartReport {
-    let size = setup.part.size();
-    let mode = if matches!(setup.surface, Surface::Points(_)) { "points" } else { "triangles" };
-    PartReport { name, mode, n_primitives: setup.n_own, size: size.into(), notes }
-}
-
-fn setup_report(setup: &Setup, options: &CamOptions) -> SetupReport {
-    let pose = setup.machine_from_file.to_homogeneous();
-    let row = |i: usize| [0, 1, 2, 3].map(|j| pose[(i, j)]);
-    SetupReport {
-        axis: [0, 1, 2].map(|j| pose[(0, j)]),
-        start_angle_deg: options.start_angle.unwrap_or(0.0),
-        mirrored: options.mirror,
-        swing: setup.swing,
-        part_x: [setup.part.min.x, setup.part.max.x],
-        clamped_x: setup.stretch,
-        machine_from_file: [row(0), row(1), row(2)],
-    }
-}
-
-fn pitch_range(stations: &[f64]) -> [f64; 2] {
-    let pitches = stations.windows(2).map(|pair| pair[1] - pair[0]);
-    let range = pitches.fold([f64::INFINITY, 0.0], |[low, high], p| [low.min(p), high.max(p)]);
-    if range[1] == 0.0 { [0.0; 2] } else { range }
-}
-
-fn pitch_near(stations: &[f64], row: usize) -> f64 {
-    let row = row.clamp(1, (stations.len() - 1).max(1));
-    stations.get(row).map_or(0.0, |x| x - stations[row - 1])
-}
-
-impl OffPart {
-    fn in_words(self) -> &'static str {
-        match self {
-            Self::Hold => {
-                "hold: a position that meets nothing keeps the height of the last that did"
-            }
-            Self::Clear => "clear: a position that meets nothing is clear of the part",
-        }
-    }
-}
-
-impl CamReport {
-    /// Adds what the user should know before pressing start.
-    fn warn(&mut self) {
-        let mut say = |text: String| self.warnings.push(text);
-        say(format!(
-            "the program assumes at most {:.1} mm of stock on the part: rough it first",
-            self.stock
-        ));
-        if self.part.mode == "points" {
-            say("digitized on points alone, as in the thesis: between points the tool may cut into \
-                 the part; give triangles to be exact"
-                .into());
-        }
-        if let Some(reach) = &self.reach {
-            let share = |area: f64| 100.0 * area / reach.area;
-            if share(reach.undercut) >= 0.05 {
-                say(format!(
-                    "{:.0} mm2 ({:.1} %) of the part are undercut: turned away from the tool in every \
-                     pose",
-                    reach.undercut,
-                    share(reach.undercut)
-                ));
-            }
-            if share(reach.hollow) >= 0.05 {
-                say(format!(
-                    "{:.0} mm2 ({:.1} %) lie in hollows the tool cannot enter: up to {:.2} mm stay on",
-                    reach.hollow,
-                    share(reach.hollow),
-                    reach.deepest
-                ));
-            }
-        }
-        if let Some(rate) = self.program.block_rate.filter(|rate| rate.highest > rate.limit) {
-            say(format!(
-                "line {}: {:.0} blocks a second, the control reads {:.0}: it will stutter",
-                rate.line, rate.highest, rate.limit
-            ));
         }
     }
 }

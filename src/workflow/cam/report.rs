@@ -1,7 +1,12 @@
 //! What a job tells about its plan; what people and programs read beside the G-code.
 
-use crate::cam::{ReachReport, Strategy};
+use super::CamOptions;
+use super::heights::Heights;
+use super::spacing::scallop;
+use crate::cam::{ReachReport, Setup, Strategy, Trajectory};
 use crate::gcode::CheckReport;
+use crate::geom::Surface;
+use crate::tool::Tool;
 use serde::Serialize;
 
 /// The report of one job. Lengths in millimetres, angles in degrees, times in seconds.
@@ -80,6 +85,8 @@ pub struct RunReport {
     pub step: f64,
     /// The stretch of X run over [mm].
     pub along: [f64; 2],
+    /// How far it runs beyond the part's ends, and how far it would have to cut them whole [mm].
+    pub overrun: [f64; 2],
     /// Material left on purpose [mm].
     pub allowance: f64,
     /// Positions at which the tool meets nothing; they take the height the rule gives them.
@@ -94,4 +101,106 @@ pub struct RunReport {
     /// Greatest change of the attack axis between two positions [mm]: between positions nothing is
     /// promised yet.
     pub greatest_rise: f64,
+}
+
+impl PartReport {
+    /// Of the part set up.
+    pub(super) fn new(name: String, setup: &Setup, notes: Vec<String>) -> Self {
+        let size = setup.part.size();
+        let mode = if matches!(setup.surface, Surface::Points(_)) { "points" } else { "triangles" };
+        Self { name, mode, n_primitives: setup.n_own, size: size.into(), notes }
+    }
+}
+
+impl SetupReport {
+    /// Of the part set up.
+    pub(super) fn new(setup: &Setup, options: &CamOptions) -> Self {
+        let pose = setup.machine_from_file.to_homogeneous();
+        let row = |i: usize| [0, 1, 2, 3].map(|j| pose[(i, j)]);
+        Self {
+            axis: [0, 1, 2].map(|j| pose[(0, j)]),
+            start_angle_deg: options.start_angle.unwrap_or(0.0),
+            mirrored: options.mirror,
+            swing: setup.swing,
+            part_x: [setup.part.min.x, setup.part.max.x],
+            clamped_x: setup.stretch,
+            machine_from_file: [row(0), row(1), row(2)],
+        }
+    }
+}
+
+impl RunReport {
+    /// Of a run and what came of it.
+    pub(super) fn new(
+        way: &Trajectory,
+        setup: &Setup,
+        tool: &Tool,
+        options: &CamOptions,
+        heights: &Heights,
+    ) -> Self {
+        let allowance = options.allowance.unwrap_or(0.0);
+        Self {
+            strategy: way.strategy(),
+            n_positions: way.n_positions(),
+            per_turn: way.spacing().per_turn,
+            pitch: way.spacing().pitch_range(),
+            step: way.spacing().step,
+            along: way.along(),
+            overrun: [setup.part.min.x - way.along()[0], tool.profile.cutter(allowance).reach().x],
+            allowance,
+            n_missed: heights.n_missed(),
+            off_part: options.off_part.unwrap_or_default().in_words(),
+            scallop: scallop(&tool.profile, way, heights.contacts),
+            feed: options.feed.unwrap_or(tool.feed * 60.0),
+            greatest_rise: heights.greatest_rise(),
+        }
+    }
+}
+
+impl CamReport {
+    /// Adds what the user should know before pressing start.
+    pub(super) fn warn(&mut self) {
+        let mut say = |text: String| self.warnings.push(text);
+        say(format!(
+            "the program assumes at most {:.1} mm of stock on the part: rough it first",
+            self.stock
+        ));
+        if self.part.mode == "points" {
+            say("digitized on points alone, as in the thesis: between points the tool may cut into \
+                 the part; give triangles to be exact"
+                .into());
+        }
+        let [overrun, whole] = self.run.overrun;
+        if overrun < whole - 1e-6 {
+            say(format!(
+                "the tool runs only {overrun:.1} mm beyond the part's ends, where {whole:.1} mm would \
+                 cut them whole: clamp longer or take a narrower tool"
+            ));
+        }
+        if let Some(reach) = &self.reach {
+            let share = |area: f64| 100.0 * area / reach.area;
+            if share(reach.undercut) >= 0.05 {
+                say(format!(
+                    "{:.0} mm2 ({:.1} %) of the part are undercut: turned away from the tool in every \
+                     pose",
+                    reach.undercut,
+                    share(reach.undercut)
+                ));
+            }
+            if share(reach.hollow) >= 0.05 {
+                say(format!(
+                    "{:.0} mm2 ({:.1} %) lie in hollows the tool cannot enter: at most {:.2} mm stay on",
+                    reach.hollow,
+                    share(reach.hollow),
+                    reach.deepest
+                ));
+            }
+        }
+        if let Some(rate) = self.program.block_rate.filter(|rate| rate.highest > rate.limit) {
+            say(format!(
+                "line {}: {:.0} blocks a second, the control reads {:.0}: it will stutter",
+                rate.line, rate.highest, rate.limit
+            ));
+        }
+    }
 }

@@ -6,8 +6,7 @@
 //! than the pitch, `s = pitch / hypot(N_y, N_z)`: toe and heel need a finer one.
 
 use super::CamOptions;
-use crate::cam::{Contact, Digitizer, Spacing, Strategy, Trajectory, TrajectoryError};
-use crate::machine::{AxisValues, Machine};
+use crate::cam::{Contact, Digitizer, Spacing, Stand, Strategy, Trajectory, TrajectoryError};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::Profile;
 
@@ -39,15 +38,13 @@ pub enum SpacingError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Where a run goes: its strategy, the stretch along X, the stretch its stations cover, and the
-/// words of axes it does not drive.
+/// Where a run goes: its strategy, the stretch along X, and the stretch its stations cover.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run<'a> {
-    pub(super) machine: &'a Machine,
+    pub(super) stand: Stand<'a>,
     pub(super) strategy: Strategy,
     pub(super) along: [f64; 2],
     pub(super) stations: [f64; 2],
-    pub(super) rest: AxisValues,
 }
 
 /// The spacing `options` ask for.
@@ -91,19 +88,18 @@ pub(super) fn spacing(
 /// is round. The part is taken as level along the step: on a convex part ridges are a little higher.
 pub(super) fn scallop(
     profile: &Profile,
-    strategy: Strategy,
-    pitch_at: impl Fn(usize) -> f64,
+    way: &Trajectory,
     contacts: &[Option<Contact>],
 ) -> Option<f64> {
     let nose = nose_radius(profile).ok()?;
-    if strategy == Strategy::Lines {
+    if way.strategy() == Strategy::Lines {
         return None;
     }
     let mut ridges: Vec<f64> = contacts
         .iter()
         .enumerate()
         .filter_map(|(i, contact)| {
-            let half = pitch_at(i) / level(strategy, contact.as_ref()?) / 2.0;
+            let half = way.pitch_at(i) / level(way.strategy(), contact.as_ref()?) / 2.0;
             Some(if half < nose { nose - (nose * nose - half * half).sqrt() } else { nose })
         })
         .collect();
@@ -148,8 +144,8 @@ fn coarse_pass(
     let spacing = Spacing { per_turn: COARSE_TURN, step: 2.0 * apart, stations: stations.clone() };
     let strategy =
         if run.strategy == Strategy::Raster { Strategy::Raster } else { Strategy::Rings };
-    let pass = Trajectory::new(run.machine, strategy, run.along, spacing, &run.rest)?;
-    let pose = |i: usize| run.machine.attack_from_part(&pass.values(i));
+    let pass = Trajectory::new(run.stand.machine, strategy, run.along, spacing, &run.stand.rest)?;
+    let pose = |i: usize| run.stand.machine.attack_from_part(&pass.values(i));
     let contacts = digitizer.run(pass.n_positions(), pose, progress)?;
     let per_row = pass.per_row() as usize;
     let in_order = |row: usize| {
