@@ -172,7 +172,10 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     };
     let stock = options.stock.unwrap_or_else(|| depth_of_cut(&tool.profile));
     let tool = Tool { speed_rpm: options.speed.unwrap_or(tool.speed_rpm), ..tool };
-    let header = header(&name, &tool, machine, options, stock);
+    let mut header = header(&name, &tool, machine, options, stock);
+    if matches!(setup.surface, Surface::Points(_)) {
+        header.lines.push("digitized on points alone, as in the thesis".into());
+    }
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
     let (text, program, warnings) = write_and_read_back(posted, dialect, machine, &toolpath)?;
     let mut report = CamReport {
