@@ -35,7 +35,7 @@ pub enum FitError {
     Clamp {
         /// `heel` or `toe`.
         end: &'static str,
-        /// Of the tool, allowance included [mm].
+        /// Of the tool [mm].
         width: f64,
         /// Left between tool and clamp's far end; negative is a collision [mm].
         room: f64,
@@ -71,16 +71,15 @@ fn highest(setup: &Setup, attack_from_part: &Pose) -> f64 {
     heights.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The stretch of X the tool runs over: `overrun` beyond the part, by default so far that it cuts
-/// the part's ends whole, but never into what holds the clamps.
+/// The stretch of X the tool runs over: `overrun` beyond the part, but never into what holds the
+/// clamps. `reach` is the tool's own, without allowance.
 pub fn run_along(
     setup: &Setup,
     machine: &Machine,
     reach: Reach,
-    overrun: Option<f64>,
+    overrun: f64,
 ) -> Result<[f64; 2], FitError> {
-    let beyond = overrun.unwrap_or(reach.x);
-    let along = [setup.part.min.x - beyond, setup.part.max.x + beyond];
+    let along = [setup.part.min.x - overrun, setup.part.max.x + overrun];
     let rooms = [along[0] - reach.x - setup.stretch[0], setup.stretch[1] - along[1] - reach.x];
     let is_held = setup.stretch[0] < setup.part.min.x || setup.part.max.x < setup.stretch[1];
     for (end, room) in ["heel", "toe"].into_iter().zip(rooms) {

@@ -117,7 +117,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     let tool_reach = reach_of(&cutter);
     let rest = held(machine, &options.hold)?;
     let clear = clear_word(&setup, machine, &rest, tool_reach)?;
-    let run = run_of(&setup, machine, options, tool_reach, rest)?;
+    let run = run_of(&setup, machine, options, &tool.profile, rest)?;
     let spacing = spacing::spacing(&run, &digitizer, &tool.profile, options, progress)?;
     let (per_turn, step, stations) = (spacing.per_turn, spacing.step, spacing.stations.clone());
     let way = Trajectory::new(machine, run.strategy, run.along, spacing, &rest)?;
@@ -250,13 +250,17 @@ fn run_of<'a>(
     setup: &Setup,
     machine: &'a Machine,
     options: &CamOptions,
-    reach: Reach,
+    profile: &Profile,
     rest: AxisValues,
 ) -> Result<Run<'a>, CamError> {
+    // The tool runs on until nothing is left of the allowance, but it is no wider for it.
+    let allowance = options.allowance.unwrap_or(0.0);
+    let [bare, reach] = [0.0, allowance].map(|grown| reach_of(&profile.cutter(grown)));
     let usual = if machine.spindle.is_some() { Strategy::Helix } else { Strategy::Raster };
     let strategy = options.strategy.unwrap_or(usual);
     let (along, stations) = if machine.spindle.is_some() && strategy != Strategy::Raster {
-        let along = run_along(setup, machine, reach, options.overrun)?;
+        let overrun = options.overrun.unwrap_or(reach.x);
+        let along = run_along(setup, machine, bare, overrun)?;
         (along, along)
     } else {
         let beyond = [options.overrun.unwrap_or(reach.x), options.overrun.unwrap_or(reach.z)];
