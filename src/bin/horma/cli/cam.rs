@@ -1,6 +1,7 @@
 //! `horma cam`: from a part to a program, with its report.
 
 use super::Shell;
+use crate::exit::Usage;
 use anyhow::Context;
 use clap::Args;
 use horma::gcode::Dialect;
@@ -51,9 +52,14 @@ pub(crate) struct CamArgs {
 /// Plans the cut and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
     let job = args.job.as_deref().map(io::read_job).transpose()?.unwrap_or_default();
-    let part = given(&args.part, &job.part, "a part to cut", "horma cam PART -m MACHINE -o OUT")?;
-    let machine = given(&args.machine, &job.machine, "a machine", "-m last-lathe")?;
-    let output = given(&args.output, &job.output, "an output", "-o out.ngc")?;
+    let part = given(
+        args.part.as_ref(),
+        job.part.as_ref(),
+        "a part to cut",
+        "horma cam PART -m MACHINE -o OUT",
+    )?;
+    let machine = given(args.machine.as_ref(), job.machine.as_ref(), "a machine", "-m last-lathe")?;
+    let output = given(args.output.as_ref(), job.output.as_ref(), "an output", "-o out.ngc")?;
     let machine = io::read_machine(&machine)?;
     let options = args.options.over(&job.options);
     let tool = tool(args, &job, &options, &machine)?;
@@ -85,13 +91,13 @@ pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
 
 /// What the command line says, else the job file.
 fn given<T: Clone>(
-    flag: &Option<T>,
-    job: &Option<T>,
+    flag: Option<&T>,
+    job: Option<&T>,
     what: &str,
     example: &str,
 ) -> anyhow::Result<T> {
-    let said = flag.as_ref().or(job.as_ref());
-    said.cloned().with_context(|| format!("{what} is missing; give it, as in: {example}"))
+    let missing = || Usage(format!("{what} is missing; give it, as in: {example}")).into();
+    flag.or(job).cloned().ok_or_else(missing)
 }
 
 fn tool(
