@@ -3,7 +3,9 @@
 mod bad_files;
 mod command;
 mod docs;
+mod foot_program;
 mod formats;
+mod jobs;
 mod layers;
 mod licences;
 mod linuxcnc;
