@@ -1,6 +1,7 @@
 //! What crosses modules, in one binary.
 
 mod bad_files;
+mod chirality;
 mod command;
 mod docs;
 mod foot_program;
