@@ -1,6 +1,7 @@
 //! What crosses modules, in one binary.
 
 mod bad_files;
+mod cam_paths;
 mod chirality;
 mod command;
 mod docs;
