@@ -1,7 +1,9 @@
 //! What crosses modules, in one binary.
 
 mod bad_files;
+mod cam_command;
 mod cam_paths;
+mod cam_refusals;
 mod chirality;
 mod command;
 mod docs;
