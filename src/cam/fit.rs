@@ -38,7 +38,7 @@ pub enum FitError {
     Clamp {
         /// `heel` or `toe`.
         end: &'static str,
-        /// Of the tool, allowance included [mm].
+        /// Of the tool [mm].
         width: f64,
         /// Left between tool and clamp's far end; negative is a collision [mm].
         room: f64,
@@ -74,20 +74,24 @@ fn highest(setup: &Setup, attack_from_part: &Pose) -> f64 {
     heights.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The stretch of X the tool runs over: `overrun` beyond the part, by default so far that it cuts
-/// the part's ends whole, or as far as the clamps leave room. What would run into the clamps' far
-/// ends, or not reach the part's, is refused.
+/// How far beyond the part's ends the tool can run before it meets what holds the clamps [mm].
+pub fn room_beside(setup: &Setup, reach: Reach) -> f64 {
+    match setup.clamp_length() {
+        length if length > 0.0 => (length - reach.x).max(0.0),
+        _ => f64::INFINITY,
+    }
+}
+
+/// The stretch of X the tool runs over: `overrun` beyond the part, but never into what holds the
+/// clamps. `reach` is the tool's own, without allowance.
 pub fn run_along(
     setup: &Setup,
     machine: &Machine,
     reach: Reach,
-    overrun: Option<f64>,
+    overrun: f64,
 ) -> Result<[f64; 2], FitError> {
-    let length = (setup.part.min.x - setup.stretch[0]).min(setup.stretch[1] - setup.part.max.x);
-    let is_held = machine.spindle.is_some() && length > 0.0;
-    let room = if is_held { (length - reach.x).max(0.0) } else { f64::INFINITY };
-    let beyond = overrun.unwrap_or(reach.x.min(room));
-    let along = [setup.part.min.x - beyond, setup.part.max.x + beyond];
+    let along = [setup.part.min.x - overrun, setup.part.max.x + overrun];
+    let is_held = machine.spindle.is_some() && setup.clamp_length() > 0.0;
     let rooms = [along[0] - reach.x - setup.stretch[0], setup.stretch[1] - along[1] - reach.x];
     for (end, room) in ["heel", "toe"].into_iter().zip(rooms) {
         if is_held && room < -ROUNDING {

@@ -11,7 +11,7 @@ mod trajectory;
 
 pub use clamps::ClampError;
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
-pub use fit::{FitError, clear_word, run_along, within};
+pub use fit::{FitError, clear_word, room_beside, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
 pub use schedule::{PassOptions, pass};
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};

@@ -17,6 +17,8 @@ use serde::Serialize;
 
 /// A tool no farther off than this still cuts the surface as the trade asks, to a tenth [mm].
 const TOUCHES: f64 = 0.1;
+/// A few slivers with stray normals must not decide how deep the hollows are.
+const MOST: f64 = 0.95;
 /// A facet less open to the tool than this is seen edge-on: rounding of its normal.
 const EDGE_ON: f64 = 1e-9;
 /// At most this many triangles are tried, evenly picked.
@@ -34,8 +36,8 @@ pub struct ReachReport {
     pub hollow: f64,
     /// Under a clamp or its neighbourhood [mm2].
     pub clamped: f64,
-    /// At most this much stays on a hollow, along its normal: so far the tool keeps off where it
-    /// would touch; what it takes away from elsewhere is not counted [mm].
+    /// On 95 % of the hollows' area the tool keeps off by no more than this, along the normal; what
+    /// it takes away from elsewhere is not counted [mm].
     pub deepest: f64,
     /// The places tried, for the map; not in files.
     #[serde(skip)]
@@ -76,11 +78,17 @@ pub fn reach(
     let pose = |i: usize| poses[i].map_or_else(Pose::identity, |facing| facing.attack_from_part);
     let contacts = digitizer.run(tried.len(), pose, progress)?;
     let mut report = ReachReport::empty(tried.len());
+    let mut hollows = Vec::new();
     for ((&i, facing), contact) in tried.iter().zip(&poses).zip(&contacts) {
         let area = mesh.area_vector(i).norm();
         let off = if let (Some(facing), Some(contact)) = (facing, contact) {
             let off = ((contact.height - facing.height) * facing.normal_y).max(0.0);
-            report.count(area, off, n_own <= contact.primitive as usize);
+            let is_clamp = n_own <= contact.primitive as usize;
+            match off > TOUCHES {
+                true if is_clamp => report.clamped += area,
+                true => hollows.push((off, area)),
+                false => {}
+            }
             off
         } else {
             report.undercut += area;
@@ -89,6 +97,8 @@ pub fn reach(
         report.area += area;
         report.places.push(Place { point: middle(mesh, i), off });
     }
+    report.hollow = hollows.iter().map(|(_, area)| area).sum();
+    report.deepest = quantile(hollows, MOST);
     report.scale_to((0..n_own).map(|i| mesh.area_vector(i).norm()).sum());
     Ok(report)
 }
@@ -99,18 +109,6 @@ impl ReachReport {
         Self { area: 0.0, undercut: 0.0, hollow: 0.0, clamped: 0.0, deepest: 0.0, places }
     }
 
-    fn count(&mut self, area: f64, off: f64, is_clamp: bool) {
-        if off <= TOUCHES {
-            return;
-        }
-        if is_clamp {
-            self.clamped += area;
-        } else {
-            self.hollow += area;
-            self.deepest = self.deepest.max(off);
-        }
-    }
-
     /// The triangles left out are like those tried.
     fn scale_to(&mut self, area: f64) {
         let scale = if self.area > 0.0 { area / self.area } else { 0.0 };
@@ -118,6 +116,17 @@ impl ReachReport {
             *part *= scale;
         }
     }
+}
+
+/// The value that this share of the weight stays below.
+fn quantile(mut weighted: Vec<(f64, f64)>, share: f64) -> f64 {
+    weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut left = share * weighted.iter().map(|(_, weight)| weight).sum::<f64>();
+    let crossing = weighted.iter().find(|(_, weight)| {
+        left -= weight;
+        left <= 0.0
+    });
+    crossing.or(weighted.last()).map_or(0.0, |(value, _)| *value)
 }
 
 fn middle(mesh: &TriMesh, i: usize) -> Point3 {

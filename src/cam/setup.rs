@@ -95,6 +95,11 @@ pub enum SetupError {
 }
 
 impl Setup {
+    /// How long the clamps are beyond the part's ends, the shorter of them [mm].
+    pub fn clamp_length(&self) -> f64 {
+        (self.part.min.x - self.stretch[0]).min(self.stretch[1] - self.part.max.x)
+    }
+
     /// The points of the part alone.
     pub fn own_points(&self) -> impl Iterator<Item = &Point3> {
         self.surface.points()[..self.n_own_points].iter()

@@ -123,7 +123,8 @@ fn judged(machine: &Machine, path: &Toolpath) -> Posted {
     posted
 }
 
-fn goes_along(machine: &Machine, path: &Toolpath, moves: &[CanonicalMove]) {
+/// Fails unless `moves` approach `path`, go along it and retreat.
+pub(crate) fn goes_along(machine: &Machine, path: &Toolpath, moves: &[CanonicalMove]) {
     let slot = |letter: char| "XYZABC".find(letter).unwrap();
     let near = |target: &[f64; 6], to: &[f64; 6]| {
         machine.axes.iter().zip(target).all(|(axis, &value)| {

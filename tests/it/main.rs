@@ -1,6 +1,10 @@
 //! What crosses modules, in one binary.
 
 mod bad_files;
+mod cam_command;
+mod cam_paths;
+mod cam_refusals;
+mod chirality;
 mod command;
 mod digitize;
 mod digitize_cases;
@@ -8,7 +12,9 @@ mod digitize_foot;
 mod digitize_soups;
 mod docs;
 mod dropping;
+mod foot_program;
 mod formats;
+mod jobs;
 mod last;
 mod layers;
 mod licences;

@@ -423,7 +423,8 @@ fn line_of(program: &Program, start: &str) -> u32 {
 }
 
 /// Holds every position of `program`, and its time, against the toolpath it was made from.
-fn goes_along(machine: &Machine, path: &Toolpath, program: &Program) {
+/// Fails unless `program` goes along `path`, and takes as long.
+pub(crate) fn goes_along(machine: &Machine, path: &Toolpath, program: &Program) {
     let half_a_decimal = |kind: AxisKind| match kind {
         AxisKind::Linear => 0.5e-4 + 1e-9,
         AxisKind::Rotary => (0.5e-4_f64 + 1e-9).to_radians(),

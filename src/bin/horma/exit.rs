@@ -5,6 +5,8 @@ use horma::{io::WriteError, progress::Cancelled};
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+/// The command line is wrong.
+const USAGE: u8 = 2;
 /// Something the user gave cannot be used.
 const BAD_INPUT: u8 = 65;
 /// A bug: horma panicked.
@@ -13,6 +15,11 @@ const OUR_FAULT: u8 = 70;
 const CANNOT_WRITE: u8 = 73;
 /// Stopped half-way; nothing is wrong with the input.
 pub(crate) const TRY_AGAIN: u8 = 75;
+
+/// The command line lacks something that it alone, or a job file, could say.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct Usage(pub(crate) String);
 
 /// Runs `job`, tells its error on stderr, and says how the process shall end.
 pub(crate) fn code_of(job: impl FnOnce() -> anyhow::Result<()>) -> u8 {
@@ -58,6 +65,8 @@ fn code(error: &anyhow::Error) -> u8 {
         TRY_AGAIN
     } else if error.chain().any(|cause| cause.downcast_ref::<WriteError>().is_some()) {
         CANNOT_WRITE
+    } else if error.is::<Usage>() {
+        USAGE
     } else {
         BAD_INPUT
     }
@@ -95,6 +104,7 @@ mod tests {
     #[test]
     fn every_end_has_its_code() {
         assert_eq!(code_of(|| Ok(())), 0);
+        assert_eq!(code_of(|| Err(Usage("a part to cut is missing".into()).into())), 2);
         assert_eq!(code_of(|| Err(anyhow!("no triangles"))), 65);
         assert_eq!(code_of(|| panic!("a bug, made up for this test")), 70);
         assert_eq!(code_of(|| Err(full_disk()).context("while writing")), 73);

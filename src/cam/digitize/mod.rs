@@ -29,6 +29,8 @@ use view::View;
 
 /// Positions one thread takes at a time; the search of each starts from the one before.
 const CHUNK: usize = 512;
+/// The same for the method that tries every primitive: still stopped within a second.
+const CHUNK_EXHAUSTIVE: usize = 8;
 
 /// Where the tool touches the part at one position.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,9 +106,13 @@ impl Digitizer<'_> {
         attack_from_part: impl Fn(usize) -> Pose + Sync,
         progress: &dyn Progress,
     ) -> Result<Vec<Option<Contact>>, Cancelled> {
+        let at_a_time = match self.method {
+            Method::Indexed => CHUNK,
+            Method::Exhaustive => CHUNK_EXHAUSTIVE,
+        };
         let mut contacts = vec![None; n_positions];
-        contacts.par_chunks_mut(CHUNK).enumerate().try_for_each(|(i_chunk, chunk)| {
-            let poses = |i: usize| attack_from_part(i_chunk * CHUNK + i);
+        contacts.par_chunks_mut(at_a_time).enumerate().try_for_each(|(i_chunk, chunk)| {
+            let poses = |i: usize| attack_from_part(i_chunk * at_a_time + i);
             dispatch!(Level::new(), simd => self.fill_chunk(simd, tool, chunk, poses));
             progress.advance(chunk.len() as u64)
         })?;

@@ -7,13 +7,17 @@ use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
     Digitizer, FitError, Part, PassOptions, Setup, SetupError, Stand, Strategy, Trajectory,
-    TrajectoryError, clear_word, pass, reach, run_along, set_up, within,
+    TrajectoryError, clear_word, pass, reach, room_beside, run_along, set_up, within,
 };
 use crate::gcode::{self, Dialect, PostError};
 use crate::geom::{Point3, Surface};
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine, MachineError};
 use crate::progress::{Cancelled, Progress};
-use crate::tool::{Profile, Reach, Tool, ToolError};
+use crate::tool::{Profile, Tool, ToolError};
+
+/// The tool runs this share of its reach beyond the part's ends: at its very side rounding would
+/// decide, from one position to the next, whether it touches the end or the clamp.
+const NEARLY: f64 = 0.99;
 
 /// What a job is made from.
 #[derive(Debug, Clone)]
@@ -117,7 +121,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
 
     let stand = Stand { machine, rest: held(machine, &options.hold)? };
     let clear = clear_word(&setup, machine, &stand.rest, cutter.reach())?;
-    let run = run_of(&setup, stand, options, cutter.reach())?;
+    let run = run_of(&setup, stand, options, &tool.profile)?;
     let spacing = spacing::spacing(&run, &digitizer, &tool.profile, options, progress)?;
     let way = Trajectory::new(machine, run.strategy, run.along, spacing, &stand.rest)?;
     within_travel(machine, &way)?;
@@ -144,7 +148,10 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     };
     let stock = options.stock.unwrap_or_else(|| depth_of_cut(&tool.profile));
     let tool = Tool { speed_rpm: options.speed.unwrap_or(tool.speed_rpm), ..tool };
-    let header = header(&name, &tool, machine, options, stock);
+    let mut header = header(&name, &tool, machine, options, stock);
+    if matches!(setup.surface, Surface::Points(_)) {
+        header.lines.push("digitized on points alone, as in the thesis".into());
+    }
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
     let written = write_and_read_back(posted, dialect, machine, &toolpath)?;
     let mut report = CamReport {
@@ -213,20 +220,26 @@ fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
     Ok(rest)
 }
 
-/// Where the run goes: by default around a part on a spindle, over one on a table.
+/// Where the run goes: by default around a part on a spindle, over one on a table; and so far
+/// beyond its ends that it cuts them whole, or as far as the clamps leave room.
 fn run_of<'a>(
     setup: &Setup,
     stand: Stand<'a>,
     options: &CamOptions,
-    reach: Reach,
+    profile: &Profile,
 ) -> Result<Run<'a>, CamError> {
+    let reach = profile.cutter(options.allowance.unwrap_or(0.0)).reach();
     let has_spindle = stand.machine.spindle.is_some();
     let usual = if has_spindle { Strategy::Helix } else { Strategy::Raster };
     let strategy = options.strategy.unwrap_or(usual);
     let [along, stations] = if has_spindle && strategy != Strategy::Raster {
-        [run_along(setup, stand.machine, reach, options.overrun)?; 2]
+        // The tool is no wider for the allowance it leaves.
+        let bare = profile.cutter(0.0).reach();
+        let whole = (NEARLY * reach.x).min(room_beside(setup, bare));
+        let overrun = options.overrun.unwrap_or(whole);
+        [run_along(setup, stand.machine, bare, overrun)?; 2]
     } else {
-        let beyond = [options.overrun.unwrap_or(reach.x), options.overrun.unwrap_or(reach.z)];
+        let beyond = [reach.x, reach.z].map(|reach| options.overrun.unwrap_or(NEARLY * reach));
         over_part(setup, &stand, beyond)
     };
     Ok(Run { stand, strategy, along, stations })

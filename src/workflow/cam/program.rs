@@ -2,7 +2,7 @@
 
 use super::{CamError, CamOptions};
 use crate::cam::{Move, Toolpath};
-use crate::gcode::{self, CheckReport, Dialect, Header, Posted};
+use crate::gcode::{self, CheckReport, Dialect, Header, Posted, Program, StepKind};
 use crate::machine::{AxisKind, AxisValues, Machine};
 use crate::tool::Tool;
 
@@ -49,14 +49,37 @@ pub(super) fn write_and_read_back(
     drop(posted);
     let lost = |_| CamError::ReadBack { i_move: 0 };
     let program = gcode::read(&mut text.as_slice(), machine).map_err(lost)?;
-    let mut ends = program.steps(machine).filter_map(|step| step.values(&program));
+    goes_along(&program, machine, toolpath, dialect)?;
+    Ok(Written { text, check: gcode::check(&program, machine), warnings })
+}
+
+/// Refuses a program that goes anywhere but along `toolpath`, after its approach and before its
+/// retreat.
+fn goes_along(
+    program: &Program,
+    machine: &Machine,
+    toolpath: &Toolpath,
+    dialect: &Dialect,
+) -> Result<(), CamError> {
+    let moves = program.steps(machine).filter(|step| step.kind != StepKind::Dwell);
+    let mut ends = moves.filter_map(|step| step.values(program)).peekable();
+    let mut at = None;
     for (i_move, planned) in toolpath.moves.iter().enumerate() {
-        // Start-up moves, and moves too small for a word, have no one block of their own.
-        if !ends.any(|end| is_near(machine, &end, planned, dialect)) {
+        let is_near = |end: &AxisValues| is_near(machine, end, planned, dialect);
+        if i_move == 0 {
+            at = ends.find(is_near);
+        } else if let Some(next) = ends.next_if(is_near) {
+            at = Some(next);
+        }
+        // A move too small for a word has no block: the machine is there already.
+        if !at.as_ref().is_some_and(is_near) {
             return Err(CamError::ReadBack { i_move });
         }
     }
-    Ok(Written { text, check: gcode::check(&program, machine), warnings })
+    match ends.count() {
+        0 | 1 => Ok(()),
+        _ => Err(CamError::ReadBack { i_move: toolpath.moves.len() }),
+    }
 }
 
 /// Within half the last decimal of every word.

@@ -171,7 +171,7 @@ impl CamReport {
                 .into());
         }
         let [overrun, whole] = self.run.overrun;
-        if overrun < whole - 1e-6 {
+        if overrun < 0.98 * whole {
             say(format!(
                 "the tool runs only {overrun:.1} mm beyond the part's ends, where {whole:.1} mm would \
                  cut them whole: clamp longer or take a narrower tool"
@@ -189,7 +189,7 @@ impl CamReport {
             }
             if share(reach.hollow) >= 0.05 {
                 say(format!(
-                    "{:.0} mm2 ({:.1} %) lie in hollows the tool cannot enter: at most {:.2} mm stay on",
+                    "{:.0} mm2 ({:.1} %) lie in hollows the tool cannot enter: it keeps up to {:.2} mm off",
                     reach.hollow,
                     share(reach.hollow),
                     reach.deepest

@@ -1,6 +1,7 @@
 //! `horma cam`: from a part to a program, with its report.
 
 use super::Shell;
+use crate::exit::Usage;
 use anyhow::Context;
 use clap::Args;
 use horma::gcode::Dialect;
@@ -95,7 +96,8 @@ fn given<T: Clone>(
     what: &str,
     example: &str,
 ) -> anyhow::Result<T> {
-    flag.or(job).cloned().with_context(|| format!("{what} is missing; give it, as in: {example}"))
+    let missing = || Usage(format!("{what} is missing; give it, as in: {example}")).into();
+    flag.or(job).cloned().ok_or_else(missing)
 }
 
 fn tool(
