@@ -47,8 +47,8 @@ fn a_part_larger_than_the_machine_is_refused_with_axis_need_and_limit() {
 
 #[test]
 fn a_wheel_that_cannot_pass_the_stubs_is_refused() {
-    let told = Shop::new().cam(&["--tool", "wheel:60,20"]);
-    refused(&told, 65, &["cannot pass the clamp at the heel: it is 40.0 mm wide", "narrower"]);
+    let told = Shop::new().cam(&["--tool", "wheel:60,26"]);
+    refused(&told, 65, &["cannot pass the clamp at the heel: it is 52.0 mm wide", "narrower"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::jobs::{WHEEL, program_of, small_last, try_cut};
 use crate::parts::real;
 use crate::{linuxcnc, programs, rs274};
 use horma::cam::{
-    Digitizer, Feeds, Method, Part, SetupOptions, Spacing, Strategy, Toolpath, Trajectory,
+    Digitizer, Method, Part, PassOptions, SetupOptions, Spacing, Strategy, Toolpath, Trajectory,
     clear_word, pass, set_up,
 };
 use horma::geom::{LengthUnit, Surface};
@@ -85,6 +85,6 @@ fn path_around(surface: Surface, machine: &Machine, per_turn: u32, along: [f64; 
         words[machine.attack] = machine.axes[machine.attack].word(contact.height);
         (words, Some(contact.point))
     };
-    let feeds = Feeds { cut: tool.feed, plunge: tool.plunge_feed };
-    pass(machine, way.n_positions(), position, clear, feeds, &Silent).unwrap()
+    let options = PassOptions { clear, cut: tool.feed, plunge: tool.plunge_feed };
+    pass(machine, way.n_positions(), position, options, &Silent).unwrap()
 }

@@ -50,7 +50,7 @@ pub(super) fn reach(reach: &ReachReport) -> Block {
         vec![what, format!("{area:.1}"), format!("{percent:.2}")]
     };
     let hollow = if reach.hollow > 0.0 {
-        format!("in hollows too narrow for the tool, up to {:.2} mm stay on", reach.deepest)
+        format!("in hollows too narrow for the tool, kept off by up to {:.2} mm", reach.deepest)
     } else {
         "in hollows too narrow for the tool".to_owned()
     };
