@@ -44,28 +44,43 @@ impl Clamping {
     }
 }
 
+/// What holds a part.
+pub(super) struct Clamps {
+    /// The clamps themselves.
+    pub(super) pieces: Vec<TriMesh>,
+    /// Ends whose stub is for the most part not inside the part where it ends: `heel`, `toe`.
+    pub(super) loose: Vec<&'static str>,
+}
+
 /// The clamps of `part`, already in its place on the machine, about the spindle axis through `line`.
 pub(super) fn around(
     part: &Surface,
     clamping: &Clamping,
     line: &Point3,
-) -> Result<Vec<TriMesh>, ClampError> {
+) -> Result<Clamps, ClampError> {
     match *clamping {
-        Clamping::Table => Ok(Vec::new()),
+        Clamping::Table => Ok(Clamps { pieces: Vec::new(), loose: Vec::new() }),
         Clamping::Nibs { radius, length } => {
             let aabb = part.aabb();
-            let [heel, toe] = stub_ends(part, radius, line)?;
+            let ([heel, toe], loose) = stub_ends(part, radius, line)?;
             let to_line = Pose::translation(0.0, line.y, line.z);
             let ends = [[aabb.min.x - length, heel], [toe, aabb.max.x + length]];
-            Ok(ends.map(|[from, to]| shapes::stub(SIDES, radius, from, to).moved(&to_line)).into())
+            let stub = |[from, to]: [f64; 2]| shapes::stub(SIDES, radius, from, to).moved(&to_line);
+            Ok(Clamps { pieces: ends.map(stub).into(), loose })
         }
-        Clamping::Cone { radius, length, .. } => Ok(vec![post(part, radius, length)]),
+        Clamping::Cone { radius, length, .. } => {
+            Ok(Clamps { pieces: vec![post(part, radius, length)], loose: Vec::new() })
+        }
     }
 }
 
 /// X at which the stubs end inside the part: where every line of their rim has met it, but no
-/// deeper than a stub's diameter behind the first touch.
-fn stub_ends(part: &Surface, radius: f64, line: &Point3) -> Result<[f64; 2], ClampError> {
+/// deeper than a stub's diameter behind the first touch; and the ends at which most lines miss it.
+fn stub_ends(
+    part: &Surface,
+    radius: f64,
+    line: &Point3,
+) -> Result<([f64; 2], Vec<&'static str>), ClampError> {
     let mut lines = vec![[line.y, line.z]];
     for i in 0..RIM_LINES {
         let (sin, cos) = (TAU * i as f64 / RIM_LINES as f64).sin_cos();
@@ -76,7 +91,14 @@ fn stub_ends(part: &Surface, radius: f64, line: &Point3) -> Result<[f64; 2], Cla
     let misses = |end| ClampError::AxisMisses { end, y: line.y, z: line.z };
     let (first, deepest) = range(met.iter().map(|x| x[0])).ok_or_else(|| misses("heel"))?;
     let (shallowest, last) = range(met.iter().map(|x| x[1])).ok_or_else(|| misses("toe"))?;
-    Ok([deepest.min(first + 2.0 * radius), shallowest.max(last - 2.0 * radius)])
+    let limits = [first + 2.0 * radius, last - 2.0 * radius];
+    let held = [
+        ("heel", met.iter().filter(|x| x[0] <= limits[0]).count()),
+        ("toe", met.iter().filter(|x| limits[1] <= x[1]).count()),
+    ];
+    let loose = held.into_iter().filter(|(_, n_lines)| 2 * n_lines < lines.len());
+    let ends = [deepest.min(limits[0]), shallowest.max(limits[1])];
+    Ok((ends, loose.map(|(end, _)| end).collect()))
 }
 
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
@@ -142,7 +164,8 @@ mod tests {
     fn a_stub_runs_from_the_dog_into_the_part() {
         let ball = Surface::Mesh(shapes::sphere(&Point3::new(75.0, 0.0, 0.0), 50.0, 64));
         let nibs = Clamping::Nibs { radius: 10.0, length: 25.0 };
-        let stubs = around(&ball, &nibs, &Point3::origin()).unwrap();
+        let Clamps { pieces: stubs, loose } = around(&ball, &nibs, &Point3::origin()).unwrap();
+        assert!(loose.is_empty(), "{loose:?}");
         let [heel, toe] = [stubs[0].aabb(), stubs[1].aabb()];
         assert!(heel.min.x.abs() < 0.1 && (toe.max.x - 150.0).abs() < 0.1);
         // The rim of radius 10 enters a ball of 50 this far behind its end.
@@ -154,7 +177,8 @@ mod tests {
     fn an_axis_beside_the_part_is_refused() {
         let cube = shapes::cuboid(&Aabb { min: Point3::origin(), max: Point3::new(9.0, 9.0, 9.0) });
         let nibs = Clamping::Nibs { radius: 2.0, length: 25.0 };
-        let error = around(&Surface::Mesh(cube), &nibs, &Point3::new(0.0, 50.0, 0.0)).unwrap_err();
+        let error =
+            around(&Surface::Mesh(cube), &nibs, &Point3::new(0.0, 50.0, 0.0)).err().unwrap();
         assert!(error.to_string().contains("heel stub finds no part"), "{error}");
     }
 
@@ -165,7 +189,7 @@ mod tests {
             max: Point3::new(100.0, 20.0, 30.0),
         });
         let cone = Clamping::Cone { radius: 8.0, length: 40.0, gap: 20.0 };
-        let posts = around(&Surface::Mesh(cube), &cone, &Point3::origin()).unwrap();
+        let posts = around(&Surface::Mesh(cube), &cone, &Point3::origin()).unwrap().pieces;
         let aabb = posts[0].aabb();
         assert!((aabb.max.z - 70.0).abs() < 1e-9 && (aabb.min.z - 22.0).abs() < 1e-9);
         assert!((aabb.center().x - 50.0).abs() < 1e-9);

@@ -5,7 +5,7 @@
 //! is added as further surface ("virtually added parts", Morell 2014, 1.4.2.2): digitizing takes
 //! the highest touch of all pieces, so no boolean is needed.
 
-use super::clamps::{self, ClampError};
+use super::clamps::{self, ClampError, Clamps};
 use crate::geom::{Aabb, Matrix3, Point3, Pose, Surface, TriMesh, Vector3};
 use crate::machine::Machine;
 use nalgebra::{Rotation3, SymmetricEigen, Translation3, Unit, UnitQuaternion};
@@ -55,9 +55,14 @@ pub enum Centre {
     Centroid,
     /// The middle of the bounding box.
     Box,
+    /// The middles of the part's ends, which tilts the axis onto them: what two dogs hold best.
+    Ends,
     /// The origin of the file: it was set up before.
     Origin,
 }
+
+/// The part's ends, as a share of its length.
+const END: f64 = 0.06;
 
 /// A part on its machine, with all that holds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +81,8 @@ pub struct Setup {
     pub machine_from_file: Pose,
     /// The stretch of X the part and its clamps take up [mm].
     pub stretch: [f64; 2],
+    /// Ends whose stub is for the most part not inside the part where it ends: `heel`, `toe`.
+    pub loose: Vec<&'static str>,
 }
 
 /// Why a part cannot be set up.
@@ -150,8 +157,18 @@ pub fn set_up(
         Some(_) => turn_onto_spindle(&spread, options),
         None => Rotation3::from_axis_angle(&Vector3::z_axis(), options.start_angle),
     };
+    let turn = match (machine.spindle, options.centre) {
+        (Some(_), Centre::Ends) => onto_ends(&surface, &turn) * turn,
+        _ => turn,
+    };
     let turned = moved(surface, &Pose::from_parts(Translation3::identity(), turn.into()));
-    let place = place(&turned, machine, &(turn * spread.centroid), options.centre);
+    let middle = match options.centre {
+        Centre::Centroid => turn * spread.centroid,
+        Centre::Box => turned.aabb().center(),
+        Centre::Ends => ends(turned.points())[0],
+        Centre::Origin => Point3::origin(),
+    };
+    let place = place(&turned, machine, &middle, options.centre);
     let machine_from_file = Pose::from_parts(place, turn.into());
     let mut surface = moved(turned, &Pose::from_parts(place, UnitQuaternion::identity()));
     let part = surface.aabb();
@@ -165,15 +182,15 @@ pub fn set_up(
         other => other.points().len(),
     };
     let n_own_points = surface.points().len();
-    let clamps = clamps::around(&surface, &machine.clamping, &line)?;
-    let stretch = clamps
+    let Clamps { pieces, loose } = clamps::around(&surface, &machine.clamping, &line)?;
+    let stretch = pieces
         .iter()
         .flat_map(|clamp| &clamp.points)
         .fold([part.min.x, part.max.x], |[low, high], p| [low.min(p.x), high.max(p.x)]);
-    for clamp in clamps {
+    for clamp in pieces {
         add_clamp(&mut surface, clamp);
     }
-    Ok(Setup { surface, n_own, n_own_points, part, swing, machine_from_file, stretch })
+    Ok(Setup { surface, n_own, n_own_points, part, swing, machine_from_file, stretch, loose })
 }
 
 /// A point of the spindle axis; the middle of the table where there is no spindle.
@@ -197,19 +214,30 @@ fn turn_onto_spindle(spread: &Spread, options: &SetupOptions) -> Rotation3<f64> 
         * Rotation3::from_matrix_unchecked(onto)
 }
 
+/// The small rotation that, after `turn`, brings the middles of both ends onto a line along X.
+fn onto_ends(surface: &Surface, turn: &Rotation3<f64>) -> Rotation3<f64> {
+    let turned: Vec<Point3> = surface.points().iter().map(|point| turn * point).collect();
+    let [heel, toe] = ends(&turned);
+    Rotation3::rotation_between(&(toe - heel), &Vector3::x()).unwrap_or_else(Rotation3::identity)
+}
+
+/// The middles of the boxes around what lies near the least and the greatest X.
+fn ends(points: &[Point3]) -> [Point3; 2] {
+    let aabb = Aabb::around(points);
+    let near = END * aabb.size().x;
+    let around =
+        |is_near: &dyn Fn(&&Point3) -> bool| Aabb::around(points.iter().filter(is_near)).center();
+    [around(&|p| p.x <= aabb.min.x + near), around(&|p| aabb.max.x - near <= p.x)]
+}
+
 /// Where the turned part goes.
 fn place(
     turned: &Surface,
     machine: &Machine,
-    centroid: &Point3,
+    middle: &Point3,
     centre: Centre,
 ) -> Translation3<f64> {
     let aabb = turned.aabb();
-    let middle = match centre {
-        Centre::Centroid => *centroid,
-        Centre::Box => aabb.center(),
-        Centre::Origin => Point3::origin(),
-    };
     let line = spindle_line(machine);
     match machine.spindle {
         Some(_) => Translation3::new(
@@ -364,6 +392,18 @@ mod tests {
         let other = set_up(chiral, &lathe(), &SetupOptions { mirror: true, ..options }).unwrap();
         let (a, b) = (&one.surface.points()[7], &other.surface.points()[7]);
         assert!((a.x - b.x).abs() < 1e-9 && (a.y + b.y).abs() < 1e-9 && (a.z - b.z).abs() < 1e-9);
+    }
+
+    #[test]
+    fn centred_on_its_ends_a_slanting_rod_lies_along_the_spindle() {
+        let slant = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.1);
+        let fine = (0..5).fold(rod().into_mesh().unwrap(), |mesh, _| shapes::subdivide(&mesh));
+        let rod = fine.moved(&Pose::from_parts(Translation3::identity(), slant.into()));
+        let axis = "z".parse().unwrap();
+        let options = SetupOptions { axis, centre: Centre::Ends, ..Default::default() };
+        let setup = set_up(Surface::Mesh(rod), &lathe(), &options).unwrap();
+        assert!((setup.swing - 10_f64.hypot(15.0)).abs() < 0.6, "{}", setup.swing);
+        assert!(setup.loose.is_empty());
     }
 
     #[test]

@@ -65,6 +65,8 @@ pub struct SetupReport {
     pub part_x: [f64; 2],
     /// The part with its clamps along X [mm].
     pub clamped_x: [f64; 2],
+    /// Ends whose stub is for the most part not inside the part.
+    pub loose: Vec<&'static str>,
     /// Rows of the matrix `machine_from_file`, after mirroring.
     pub machine_from_file: [[f64; 4]; 3],
 }
@@ -124,6 +126,7 @@ impl SetupReport {
             swing: setup.swing,
             part_x: [setup.part.min.x, setup.part.max.x],
             clamped_x: setup.stretch,
+            loose: setup.loose.clone(),
             machine_from_file: [row(0), row(1), row(2)],
         }
     }
@@ -169,6 +172,12 @@ impl CamReport {
             say("digitized on points alone, as in the thesis: between points the tool may cut into \
                  the part; give triangles to be exact"
                 .into());
+        }
+        for end in &self.setup.loose {
+            say(format!(
+                "most of the {end} stub misses the part and holds it badly: try --centre ends or \
+                 another --axis"
+            ));
         }
         let [overrun, whole] = self.run.overrun;
         if overrun < 0.98 * whole {

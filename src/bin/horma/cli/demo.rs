@@ -4,6 +4,7 @@ use super::Shell;
 use super::cam::Outputs;
 use anyhow::Context;
 use clap::Args;
+use horma::cam::Centre;
 use horma::gcode::Dialect;
 use horma::geom::Surface;
 use horma::geom::shapes::{LastParameters, last};
@@ -35,7 +36,8 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     let part = args.out.join("last.stl");
     let outputs = Outputs::checked(&args.out.join("last.ngc"), args.force)?;
     let machine = io::read_machine(MACHINE)?;
-    let options = CamOptions::default();
+    // Dogs hold a last at the middles of its ends.
+    let options = CamOptions { centre: Some(Centre::Ends), ..CamOptions::default() };
     let bar = shell.progress();
     let planned = plan(
         Job {
