@@ -1,88 +1,127 @@
-//! scratch
+//! How much faster the search tree is than trying every primitive: both in one process, ratios
+//! printed. `cargo bench --bench digitize`; with `HORMA_DATA` set on the real foot, else on a bumpy
+//! cylinder.
+
 use horma::cam::{Digitizer, Method, Part};
-use horma::geom::{Point3, PointCloud, Pose, TriMesh};
+use horma::geom::{PointCloud, Pose, TriMesh, shapes};
 use horma::progress::Silent;
-use horma::tool::Profile;
+use horma::tool::{Cutter, Profile};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::TAU;
+use std::path::PathBuf;
 use std::time::Instant;
 
-fn load(path: &str) -> TriMesh {
-    let (models, _) = tobj::load_obj(
-        path,
-        &tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() },
-    )
-    .unwrap();
-    let m = &models[0].mesh;
-    let points =
-        m.positions.chunks(3).map(|p| Point3::new(p[0] as f64, p[1] as f64, p[2] as f64)).collect();
-    let triangles = m.indices.chunks(3).map(|t| [t[0], t[1], t[2]]).collect();
-    TriMesh::new(points, triangles)
-}
-
-fn subdivide(mesh: &TriMesh) -> TriMesh {
-    let mut points = mesh.points.clone();
-    let mut map = std::collections::HashMap::new();
-    let mut tris = vec![];
-    for t in &mesh.triangles {
-        let mut mid = |a: u32, b: u32| {
-            *map.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                points.push(nalgebra::center(&points[a as usize], &points[b as usize]));
-                (points.len() - 1) as u32
-            })
-        };
-        let (ab, bc, ca) = (mid(t[0], t[1]), mid(t[1], t[2]), mid(t[2], t[0]));
-        tris.extend([[t[0], ab, ca], [ab, t[1], bc], [ca, bc, t[2]], [ab, bc, ca]]);
-    }
-    TriMesh::new(points, tris)
-}
+/// Runs of each contender; the best counts.
+const RUNS: usize = 5;
+/// Positions the exhaustive search is given, spread evenly over the path.
+const EXHAUSTIVE: usize = 100;
+const PITCH: f64 = 2.0;
+const PER_TURN: usize = 360;
 
 fn main() {
-    let dir = std::env::var("HORMA_DATA").unwrap() + "/lasts/find_foot/";
-    let mesh = load(&(dir + "foot_mean_left.obj"));
-    let levels = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(0);
-    let mut mesh = mesh;
-    for _ in 0..levels {
-        mesh = subdivide(&mesh);
-    }
-    let aabb = mesh.aabb();
-    let c = aabb.center();
-    let mesh = mesh.moved(&Pose::translation(-aabb.min.x, -c.y, -c.z));
-    let t = Instant::now();
-    let part = Part::triangles(&mesh);
-    println!("{} triangles, built in {:?}", mesh.triangles.len(), t.elapsed());
-    let pitch = 2.0;
-    let n = 360;
-    let len = aabb.size().x;
-    let total = (len / pitch) as usize * n;
-    let pose = |i: usize| {
-        let a = (i % n) as f64 / n as f64 * std::f64::consts::TAU;
-        let x = i as f64 / n as f64 * pitch;
-        Pose::from_parts(
-            Translation3::new(-x, 0.0, 0.0),
-            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), a),
-        )
+    let foot = part("foot_mean_left.obj");
+    println!("{} triangles, one thread unless said otherwise", foot.triangles.len());
+    compare("wheel R60 r10", &foot, Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 });
+    compare("ball 5", &foot, Profile::Ball { radius: 5.0 });
+    compare("flat 6", &foot, Profile::Flat { radius: 6.0 });
+    compare("bull 6 r1", &foot, Profile::Bull { radius: 6.0, corner_radius: 1.0 });
+    growth(&foot);
+    points(&foot);
+}
+
+/// The part, lying along X from 0, its middle on the axis.
+fn part(name: &str) -> TriMesh {
+    let mesh = if let Some(data) = std::env::var_os("HORMA_DATA") {
+        let path = PathBuf::from(data).join("lasts/find_foot").join(name);
+        let reading = horma::io::read_surface(&path, None).expect("the foot can be read");
+        reading.surface.into_mesh().expect("the foot is a mesh")
+    } else {
+        eprintln!("HORMA_DATA is not set: a bumpy cylinder stands in for {name}");
+        shapes::bumpy_cylinder(if name.starts_with("foot_mean") { 128_000 } else { 2_000 })
     };
-    let wheel = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.cutter(0.0);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let d = Digitizer { part: &part, cutter: wheel, method: Method::Indexed };
-    for _ in 0..3 {
-        let t = Instant::now();
-        let a = pool.install(|| d.run(total, pose, &Silent)).unwrap();
-        let per = t.elapsed().as_secs_f64() / total as f64 * 1e6;
-        println!(
-            "indexed {total} positions {per:.2} us each, {} missed",
-            a.iter().filter(|c| c.is_none()).count()
-        );
-        let stride = total / 100;
-        let t = Instant::now();
-        let e = Digitizer { method: Method::Exhaustive, ..d };
-        let b = pool.install(|| e.run(100, |i| pose(i * stride), &Silent)).unwrap();
-        println!("exhaustive {:.1} us each", t.elapsed().as_secs_f64() / 100.0 * 1e6);
-        let diff = (0..100).filter(|&i| a[i * stride] != b[i]).count();
-        println!("differences {diff}");
-        for i in (0..100).filter(|&i| a[i * stride] != b[i]).take(2) {
-            println!("{:?}\n{:?}", a[i * stride], b[i]);
-        }
-    }
-    let _ = PointCloud::default();
+    let (aabb, middle) = (mesh.aabb(), mesh.aabb().center());
+    mesh.moved(&Pose::translation(-aabb.min.x, -middle.y, -middle.z))
+}
+
+/// The helix over a part: how many positions, and the pose of each.
+fn helix(length: f64) -> (usize, impl Fn(usize) -> Pose + Sync) {
+    let n = (length / PITCH) as usize * PER_TURN;
+    let pose = |i: usize| {
+        let turns = i as f64 / PER_TURN as f64;
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), turns.fract() * TAU);
+        Pose::from_parts(Translation3::new(-turns * PITCH, 0.0, 0.0), turn)
+    };
+    (n, pose)
+}
+
+/// Microseconds per position, the best of several runs.
+fn time(n: usize, threads: usize, run: impl Fn() + Sync) -> f64 {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    let once = || {
+        let start = Instant::now();
+        pool.install(&run);
+        start.elapsed().as_secs_f64() * 1e6 / n as f64
+    };
+    (0..RUNS).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
+
+fn indexed(part: &Part, cutter: Cutter, length: f64, threads: usize) -> f64 {
+    let (n, pose) = helix(length);
+    let digitizer = Digitizer { part, cutter, method: Method::Indexed };
+    time(n, threads, || drop(digitizer.run(n, &pose, &Silent)))
+}
+
+fn compare(name: &str, mesh: &TriMesh, profile: Profile) {
+    let start = Instant::now();
+    let part = Part::triangles(mesh);
+    let built = start.elapsed().as_secs_f64() * 1e3;
+    let (cutter, length) = (profile.cutter(0.0), mesh.aabb().size().x);
+    let (n, pose) = helix(length);
+    let [one, two] = [1, 2].map(|threads| indexed(&part, cutter, length, threads));
+    let stride = n / EXHAUSTIVE;
+    let digitizer = Digitizer { part: &part, cutter, method: Method::Exhaustive };
+    let all = time(EXHAUSTIVE, 1, || {
+        drop(digitizer.run(EXHAUSTIVE, |i| pose(i * stride), &Silent));
+    });
+    println!(
+        "{name:<14} exhaustive {all:7.1} us, indexed {one:5.2} us ({:.0} positions/s): {:.0} times; \
+         two threads {:.2} times one; tree built in {built:.0} ms",
+        1e6 / one,
+        all / one,
+        one / two,
+    );
+}
+
+fn growth(foot: &TriMesh) {
+    let cutter = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.cutter(0.0);
+    let small = shapes::subdivide(&part("foot_template_left_metres.obj"));
+    let large = shapes::subdivide(&shapes::subdivide(foot));
+    let [least, most] = [&small, &large].map(|mesh| {
+        let per_position = indexed(&Part::triangles(mesh), cutter, mesh.aabb().size().x, 1);
+        println!("{:>9} triangles: {per_position:.2} us", mesh.triangles.len());
+        per_position
+    });
+    println!("growth {:.2} times", most / least);
+}
+
+/// The thesis' mode: as many points as positions, 50,000.
+fn points(foot: &TriMesh) {
+    let stride = (foot.points.len() / 50_000).max(1);
+    let points = foot.points.iter().step_by(stride).copied().take(50_000).collect();
+    let cloud = PointCloud { points, ..PointCloud::default() };
+    let part = Part::points(&cloud);
+    let cutter = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.cutter(0.0);
+    let length = foot.aabb().size().x;
+    let one = indexed(&part, cutter, length, 1);
+    let (n, pose) = helix(length);
+    let stride = n / EXHAUSTIVE;
+    let digitizer = Digitizer { part: &part, cutter, method: Method::Exhaustive };
+    let all = time(EXHAUSTIVE, 1, || {
+        drop(digitizer.run(EXHAUSTIVE, |i| pose(i * stride), &Silent));
+    });
+    println!(
+        "{} points: exhaustive {all:.1} us, indexed {one:.2} us: {:.0} times",
+        part.n_primitives(),
+        all / one
+    );
 }

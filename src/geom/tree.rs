@@ -26,8 +26,6 @@ pub struct PatchTree {
     pub(crate) nodes: Vec<Node>,
     /// Boxes are relative to this point.
     pub(crate) origin: Point3,
-    /// No point of any box lies farther from `origin` than this [mm].
-    pub(crate) extent: f64,
 }
 
 /// Eight children side by side; lanes without a child have a radius of minus infinity.
@@ -62,7 +60,7 @@ impl PatchTree {
         let builder = Builder { primitives, origin };
         let mut numbers: Vec<u32> = (0..primitives.len() as u32).collect();
         let nodes = builder.subtree(&mut numbers);
-        Self { nodes, origin, extent: aabb.size().norm() / 2.0 }
+        Self { nodes, origin }
     }
 }
 
