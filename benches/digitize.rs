@@ -2,6 +2,7 @@
 //! printed. `cargo bench --bench digitize`; with `HORMA_DATA` set on the real foot, else on a bumpy
 //! cylinder.
 
+use fearless_simd::{Level, dispatch, f64x8, prelude::*};
 use horma::cam::{Digitizer, Method, Part};
 use horma::geom::{PointCloud, Pose, TriMesh, shapes};
 use horma::progress::Silent;
@@ -104,24 +105,83 @@ fn growth(foot: &TriMesh) {
     println!("growth {:.2} times", most / least);
 }
 
+/// The wheel of the points rows.
+const RADII: [f64; 2] = [60.0, 10.0];
+
 /// The thesis' mode: as many points as positions, 50,000.
 fn points(foot: &TriMesh) {
     let stride = (foot.points.len() / 50_000).max(1);
-    let points = foot.points.iter().step_by(stride).copied().take(50_000).collect();
-    let cloud = PointCloud { points, ..PointCloud::default() };
-    let part = Part::points(&cloud);
-    let cutter = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.cutter(0.0);
-    let length = foot.aabb().size().x;
+    let mut points: Vec<_> = foot.points.iter().step_by(stride).copied().take(50_000).collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let columns = [0, 1, 2].map(|axis| points.iter().map(|p| p[axis]).collect::<Vec<f64>>());
+    let part = Part::points(&PointCloud { points, ..PointCloud::default() });
+    let profile = Profile::Wheel { major_radius: RADII[0], minor_radius: RADII[1] };
+    let (cutter, length) = (profile.cutter(0.0), foot.aabb().size().x);
     let one = indexed(&part, cutter, length, 1);
+
     let (n, pose) = helix(length);
     let stride = n / EXHAUSTIVE;
-    let digitizer = Digitizer { part: &part, cutter, method: Method::Exhaustive };
-    let all = time(EXHAUSTIVE, 1, || {
-        drop(digitizer.run(EXHAUSTIVE, |i| pose(i * stride), &Silent));
+    let n_points = columns[0].len();
+    let scan = |i: usize, window: bool| {
+        let x = (i * stride) as f64 / PER_TURN as f64 * PITCH;
+        let turn = (i * stride % PER_TURN) as f64 / PER_TURN as f64 * TAU;
+        let range = if window {
+            let at = |limit: f64| columns[0].partition_point(|&p| p < limit);
+            at(x - RADII[1])..at(x + RADII[1])
+        } else {
+            0..n_points
+        };
+        let columns = [0, 1, 2].map(|axis| &columns[axis][range.clone()]);
+        dispatch!(Level::new(), simd => highest(simd, columns, x, turn))
+    };
+    let [all, window] = [false, true].map(|window| {
+        let run = || {
+            for i in 0..EXHAUSTIVE {
+                std::hint::black_box(scan(i, window));
+            }
+        };
+        time(EXHAUSTIVE, 1, run)
+    });
+    let digitizer = Digitizer { part: &part, cutter, method: Method::Indexed };
+    let found = digitizer.run(EXHAUSTIVE, |i| pose(i * stride), &Silent).expect("never cancelled");
+    let off = found.iter().enumerate().map(|(i, contact)| {
+        let height = contact.map_or(f64::NEG_INFINITY, |contact| contact.height);
+        if height == scan(i, false) { 0.0 } else { (height - scan(i, false)).abs() }
     });
     println!(
-        "{} points: exhaustive {all:.1} us, indexed {one:.2} us: {:.0} times",
-        part.n_primitives(),
-        all / one
+        "{n_points} points: all of them, vectorised {all:.1} us; window of sorted x {window:.1} us; \
+         indexed {one:.2} us: {:.0} times; answers differ by {:.1e} mm at most",
+        all / one,
+        off.fold(0.0, f64::max)
     );
+}
+
+/// Morell (2014), algorithm 3 with eq. 4.7, over all points given, eight side by side.
+#[inline(always)]
+fn highest<S: Simd>(simd: S, [x, y, z]: [&[f64]; 3], at: f64, turn: f64) -> f64 {
+    let [major, minor] = RADII;
+    let (sin, cos) = turn.sin_cos();
+    let splat = |value: f64| f64x8::splat(simd, value);
+    let never = splat(f64::NEG_INFINITY);
+    let mut best = never;
+    let whole = x.len() / 8 * 8;
+    for i in (0..whole).step_by(8) {
+        let load = |column: &[f64]| f64x8::from_slice(simd, &column[i..i + 8]);
+        let (dx, y, z) = (load(x) - splat(at), load(y), load(z));
+        let nose = splat(minor * minor) - dx * dx;
+        let radius = nose.max(splat(0.0)).sqrt() + splat(major);
+        let across = y * splat(sin) + z * splat(cos);
+        let reach = radius * radius - across * across;
+        let height = y * splat(cos) - z * splat(sin) + reach.max(splat(0.0)).sqrt();
+        let touches = nose.simd_ge(splat(0.0)) & reach.simd_ge(splat(0.0));
+        best = best.max(touches.select(height, never));
+    }
+    let rest = (whole..x.len()).map(|i| {
+        let nose = minor * minor - (x[i] - at).powi(2);
+        let radius = major + nose.max(0.0).sqrt();
+        let reach = radius * radius - (y[i] * sin + z[i] * cos).powi(2);
+        let height = y[i] * cos - z[i] * sin + reach.max(0.0).sqrt();
+        if nose >= 0.0 && reach >= 0.0 { height } else { f64::NEG_INFINITY }
+    });
+    best.as_slice().iter().copied().chain(rest).fold(f64::NEG_INFINITY, f64::max)
 }
