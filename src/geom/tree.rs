@@ -2,7 +2,7 @@
 //!
 //! Every child is wrapped in an oriented box whose thin side looks along the mean normal of what it
 //! holds, so that what a tool can reach over it is bounded to second order in the child's size
-//! (DESIGN section 3). Boxes are kept in `f32`, rounded outwards; the primitives themselves stay in
+//! (ARCHITECTURE section 4). Boxes are kept in `f32`, rounded outwards; the primitives themselves stay in
 //! `f64`, in their own order, with whoever asks.
 
 use super::{Aabb, Matrix3, Point3, Vector3};

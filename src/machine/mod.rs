@@ -1,7 +1,7 @@
 //! Machines as data: which axes there are, what they carry, and the poses that follow.
 //!
 //! A [`Machine`] is read from a TOML file ([`Machine::parse`]); nothing about a particular machine
-//! is code. The conventions (DESIGN section 2): X runs along the spindle, heel to toe; the part
+//! is code. The conventions (ARCHITECTURE section 3): X runs along the spindle, heel to toe; the part
 //! turns about X by `c` with `y' = y cos c - z sin c`, `z' = y sin c + z cos c`; a word in a program
 //! is `zero + sign * motion`.
 

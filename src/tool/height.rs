@@ -3,7 +3,7 @@
 //! Everything is in the attack frame with the programmed point at the origin: y along the attack
 //! axis away from the part, x and z across. The tool touches a part point `(x, y, z)` when its
 //! programmed point stands at `y + u(x, z)`; `u` is concave on the tool's *shadow*, a convex region
-//! of the x-z plane, because the tool is convex (DESIGN section 3).
+//! of the x-z plane, because the tool is convex (ARCHITECTURE section 4).
 
 use crate::geom::Vector3;
 use fearless_simd::{Simd, f32x8, mask32x8};

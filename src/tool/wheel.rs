@@ -1,6 +1,6 @@
 //! The wheel of a last lathe: a torus about x, filled inside; disc of R (in y-z) plus ball of r.
 //!
-//! Morell (2014), eq. 4.7; DESIGN section 3.
+//! Morell (2014), eq. 4.7; ARCHITECTURE section 4.
 
 use super::height::{HeightFunction, Jet, Reach, Tangent};
 use crate::geom::Vector3;

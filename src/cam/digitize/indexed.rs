@@ -7,9 +7,9 @@ use crate::geom::{Child, Vector3};
 use crate::tool::HeightFunction;
 use fearless_simd::Simd;
 
-/// Branches that can wait at once: seven siblings on each of more levels than a tree of 2^32
-/// primitives has.
-const DEEPEST: usize = 7 * 11;
+/// Branches that can wait at once: on each of the 11 levels of a tree of 2^32 primitives seven
+/// siblings of the one gone into, and at the last level that one too.
+const DEEPEST: usize = 7 * 11 + 1;
 
 /// The highest touch of all primitives. The search starts from primitive `start`, wherever that
 /// lies, and leaves the one it found there.

@@ -1,7 +1,7 @@
 //! Where a tool coming down touches one primitive: a concave maximum over a triangle or a point.
 //!
 //! Over a triangle `y + u(x, z)` is concave. Its maximum lies inside the facet, else on an edge,
-//! else at a vertex (DESIGN section 3). All coordinates are in the attack frame.
+//! else at a vertex (ARCHITECTURE section 4). All coordinates are in the attack frame.
 
 use super::view::View;
 use crate::geom::{Point3, Vector3};
