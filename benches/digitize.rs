@@ -14,8 +14,8 @@ use std::time::Instant;
 
 /// Runs of each contender; the best counts.
 const RUNS: usize = 5;
-/// Positions the exhaustive search is given, spread evenly over the path.
-const EXHAUSTIVE: usize = 100;
+/// Positions that what takes long is given, spread evenly over the path.
+const SOME: usize = 100;
 const PITCH: f64 = 2.0;
 const PER_TURN: usize = 360;
 
@@ -55,21 +55,43 @@ fn helix(length: f64) -> (usize, impl Fn(usize) -> Pose + Sync) {
     (n, pose)
 }
 
-/// Microseconds per position, the best of several runs.
-fn time(n: usize, threads: usize, run: impl Fn() + Sync) -> f64 {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    let once = || {
-        let start = Instant::now();
-        pool.install(&run);
-        start.elapsed().as_secs_f64() * 1e6 / n as f64
-    };
-    (0..RUNS).map(|_| once()).fold(f64::INFINITY, f64::min)
+/// One thing to be timed: so many positions on so many threads.
+struct Contender<'a> {
+    n: usize,
+    n_threads: usize,
+    run: Box<dyn Fn() + Sync + 'a>,
 }
 
-fn indexed(part: &Part, cutter: Cutter, length: f64, threads: usize) -> f64 {
+/// Microseconds per position of each, the best of several runs. They take turns, so that a machine
+/// whose pace drifts is fair to all.
+fn time<const N: usize>(contenders: &[Contender<'_>; N]) -> [f64; N] {
+    let pools = contenders.each_ref().map(|contender| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(contender.n_threads).build();
+        pool.expect("a pool")
+    });
+    let mut best = [f64::INFINITY; N];
+    for _ in 0..RUNS {
+        for ((contender, pool), best) in contenders.iter().zip(&pools).zip(&mut best) {
+            let start = Instant::now();
+            pool.install(&contender.run);
+            *best = best.min(start.elapsed().as_secs_f64() * 1e6 / contender.n as f64);
+        }
+    }
+    best
+}
+
+/// The whole helix by the tree.
+fn indexed(part: &Part, cutter: Cutter, length: f64, n_threads: usize) -> Contender<'_> {
     let (n, pose) = helix(length);
     let digitizer = Digitizer { part, cutter, method: Method::Indexed };
-    time(n, threads, || drop(digitizer.run(n, &pose, &Silent)))
+    let run = Box::new(move || drop(digitizer.run(n, &pose, &Silent)));
+    Contender { n, n_threads, run }
+}
+
+/// Far enough apart for [`SOME`] positions spread over the path; odd, so that they come at many
+/// angles.
+fn stride(n: usize) -> usize {
+    (n / SOME) | 1
 }
 
 fn compare(name: &str, mesh: &TriMesh, profile: Profile) {
@@ -78,12 +100,15 @@ fn compare(name: &str, mesh: &TriMesh, profile: Profile) {
     let built = start.elapsed().as_secs_f64() * 1e3;
     let (cutter, length) = (profile.cutter(0.0), mesh.aabb().size().x);
     let (n, pose) = helix(length);
-    let [one, two] = [1, 2].map(|threads| indexed(&part, cutter, length, threads));
-    let stride = n / EXHAUSTIVE;
     let digitizer = Digitizer { part: &part, cutter, method: Method::Exhaustive };
-    let all = time(EXHAUSTIVE, 1, || {
-        drop(digitizer.run(EXHAUSTIVE, |i| pose(i * stride), &Silent));
-    });
+    let n_some = n / stride(n);
+    let exhaustive = Contender {
+        n: n_some,
+        n_threads: 1,
+        run: Box::new(|| drop(digitizer.run(n_some, |i| pose(i * stride(n)), &Silent))),
+    };
+    let [all, one, two] =
+        time(&[exhaustive, indexed(&part, cutter, length, 1), indexed(&part, cutter, length, 2)]);
     println!(
         "{name:<14} exhaustive {all:7.1} us, indexed {one:5.2} us ({:.0} positions/s): {:.0} times; \
          two threads {:.2} times one; tree built in {built:.0} ms",
@@ -97,11 +122,13 @@ fn growth(foot: &TriMesh) {
     let cutter = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }.cutter(0.0);
     let small = shapes::subdivide(&part("foot_template_left_metres.obj"));
     let large = shapes::subdivide(&shapes::subdivide(foot));
-    let [least, most] = [&small, &large].map(|mesh| {
-        let per_position = indexed(&Part::triangles(mesh), cutter, mesh.aabb().size().x, 1);
-        println!("{:>9} triangles: {per_position:.2} us", mesh.triangles.len());
-        per_position
-    });
+    let parts = [&small, &large].map(Part::triangles);
+    let [least, most] = time(&[
+        indexed(&parts[0], cutter, small.aabb().size().x, 1),
+        indexed(&parts[1], cutter, large.aabb().size().x, 1),
+    ]);
+    println!("{:>9} triangles: {least:.2} us", small.triangles.len());
+    println!("{:>9} triangles: {most:.2} us", large.triangles.len());
     println!("growth {:.2} times", most / least);
 }
 
@@ -110,19 +137,17 @@ const RADII: [f64; 2] = [60.0, 10.0];
 
 /// The thesis' mode: as many points as positions, 50,000.
 fn points(foot: &TriMesh) {
-    let stride = (foot.points.len() / 50_000).max(1);
-    let mut points: Vec<_> = foot.points.iter().step_by(stride).copied().take(50_000).collect();
+    let every = (foot.points.len() / 50_000).max(1);
+    let mut points: Vec<_> = foot.points.iter().step_by(every).copied().take(50_000).collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
     let columns = [0, 1, 2].map(|axis| points.iter().map(|p| p[axis]).collect::<Vec<f64>>());
     let part = Part::points(&PointCloud { points, ..PointCloud::default() });
     let profile = Profile::Wheel { major_radius: RADII[0], minor_radius: RADII[1] };
     let (cutter, length) = (profile.cutter(0.0), foot.aabb().size().x);
-    let one = indexed(&part, cutter, length, 1);
-
     let (n, pose) = helix(length);
-    let stride = n / EXHAUSTIVE;
+    let (stride, n_some) = (stride(n), n / stride(n));
     let n_points = columns[0].len();
-    let scan = |i: usize, window: bool| {
+    let scan = &|i: usize, window: bool| {
         let x = (i * stride) as f64 / PER_TURN as f64 * PITCH;
         let turn = (i * stride % PER_TURN) as f64 / PER_TURN as f64 * TAU;
         let range = if window {
@@ -134,16 +159,18 @@ fn points(foot: &TriMesh) {
         let columns = [0, 1, 2].map(|axis| &columns[axis][range.clone()]);
         dispatch!(Level::new(), simd => highest(simd, columns, x, turn))
     };
-    let [all, window] = [false, true].map(|window| {
-        let run = || {
-            for i in 0..EXHAUSTIVE {
+    let scans = |window| Contender {
+        n: n_some,
+        n_threads: 1,
+        run: Box::new(move || {
+            for i in 0..n_some {
                 std::hint::black_box(scan(i, window));
             }
-        };
-        time(EXHAUSTIVE, 1, run)
-    });
+        }),
+    };
+    let [all, window, one] = time(&[scans(false), scans(true), indexed(&part, cutter, length, 1)]);
     let digitizer = Digitizer { part: &part, cutter, method: Method::Indexed };
-    let found = digitizer.run(EXHAUSTIVE, |i| pose(i * stride), &Silent).expect("never cancelled");
+    let found = digitizer.run(n_some, |i| pose(i * stride), &Silent).expect("never cancelled");
     let off = found.iter().enumerate().map(|(i, contact)| {
         let height = contact.map_or(f64::NEG_INFINITY, |contact| contact.height);
         if height == scan(i, false) { 0.0 } else { (height - scan(i, false)).abs() }

@@ -20,7 +20,7 @@ pub use sections::SectionGrid;
 pub use surface::Surface;
 pub use topology::{MeshReport, topology};
 pub use tree::PatchTree;
-pub(crate) use tree::{Child, Lanes, Node};
+pub(crate) use tree::{Lanes, Leaf, Node, WIDTH};
 pub use units::{LengthUnit, UnitSource};
 pub use weld::weld;
 

@@ -6,7 +6,7 @@
 //! of the x-z plane, because the tool is convex (ARCHITECTURE section 4).
 
 use crate::geom::Vector3;
-use fearless_simd::{Simd, f32x8, mask32x8};
+use fearless_simd::{Simd, f32x16, mask32x16};
 
 /// The height function `u` of a convex tool.
 pub trait HeightFunction: Sync {
@@ -28,18 +28,18 @@ pub trait HeightFunction: Sync {
     /// The part's unit normal at a contact at `(x, z)`: the inward normal of the tool there.
     fn normal_at(&self, x: f64, z: f64) -> Vector3;
 
-    /// Planes above `u` everywhere, touching it at points of the shadow near `(x, z)`: eight at
-    /// once, for the bounds of the search tree.
-    fn tangent<S: Simd>(&self, simd: S, x: f32x8<S>, z: f32x8<S>) -> Tangent<S>;
+    /// Planes above `u` everywhere, touching it at points of the shadow near `(x, z)`: sixteen
+    /// at once, for the bounds of the search tree.
+    fn tangent<S: Simd>(&self, simd: S, x: f32x16<S>, z: f32x16<S>) -> Tangent<S>;
 
     /// Lanes whose disc of `radius` about `(x, z)` lies wholly outside the shadow.
     fn passes_by<S: Simd>(
         &self,
         simd: S,
-        x: f32x8<S>,
-        z: f32x8<S>,
-        radius: f32x8<S>,
-    ) -> mask32x8<S>;
+        x: f32x16<S>,
+        z: f32x16<S>,
+        radius: f32x16<S>,
+    ) -> mask32x16<S>;
 
     /// The greatest `[kx, kz]` known for which `u + kx x^2 / 2 + kz z^2 / 2` is still concave.
     fn least_bend(&self) -> [f64; 2];
@@ -70,17 +70,17 @@ pub struct Reach {
     pub top: f64,
 }
 
-/// Eight planes `u = value + slope_x (x - x0) + slope_z (z - z0)`.
+/// Sixteen planes `u = value + slope_x (x - x0) + slope_z (z - z0)`.
 #[derive(Debug, Clone, Copy)]
 pub struct Tangent<S: Simd> {
     /// Where the planes touch the height function, along x [mm].
-    pub x0: f32x8<S>,
+    pub x0: f32x16<S>,
     /// Where the planes touch the height function, along z [mm].
-    pub z0: f32x8<S>,
+    pub z0: f32x16<S>,
     /// The height there [mm].
-    pub value: f32x8<S>,
+    pub value: f32x16<S>,
     /// The slope along x.
-    pub slope_x: f32x8<S>,
+    pub slope_x: f32x16<S>,
     /// The slope along z.
-    pub slope_z: f32x8<S>,
+    pub slope_z: f32x16<S>,
 }

@@ -6,7 +6,7 @@
 use super::height::{HeightFunction, Jet, Reach, Tangent};
 use super::wheel::disc_chord;
 use crate::geom::Vector3;
-use fearless_simd::{f32x8, mask32x8, prelude::*};
+use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 /// Tangent planes touch arcs no farther out than this share of their radius: the slope stays finite.
 const TANGENT_SHARE: f32 = 0.9;
@@ -156,8 +156,8 @@ impl HeightFunction for Mill {
     }
 
     #[inline(always)]
-    fn tangent<S: Simd>(&self, simd: S, x: f32x8<S>, z: f32x8<S>) -> Tangent<S> {
-        let splat = |value: f64| f32x8::splat(simd, value as f32);
+    fn tangent<S: Simd>(&self, simd: S, x: f32x16<S>, z: f32x16<S>) -> Tangent<S> {
+        let splat = |value: f64| f32x16::splat(simd, value as f32);
         let rho = (x * x + z * z).sqrt();
         let outer = self.flank.map_or(self.corner, |flank| flank.rim);
         let at = rho.min((outer.center + f64::from(TANGENT_SHARE) * outer.radius) as f32);
@@ -187,10 +187,10 @@ impl HeightFunction for Mill {
     fn passes_by<S: Simd>(
         &self,
         _simd: S,
-        x: f32x8<S>,
-        z: f32x8<S>,
-        radius: f32x8<S>,
-    ) -> mask32x8<S> {
+        x: f32x16<S>,
+        z: f32x16<S>,
+        radius: f32x16<S>,
+    ) -> mask32x16<S> {
         let reach = (radius + self.radius as f32).max(0.0);
         (x * x + z * z).simd_gt(reach * reach) | radius.simd_lt(0.0)
     }
@@ -206,14 +206,14 @@ impl HeightFunction for Mill {
 }
 
 impl Arc {
-    /// Value and slope at eight distances from the axis.
+    /// Value and slope at sixteen distances from the axis.
     #[inline(always)]
-    fn tangent<S: Simd>(&self, simd: S, rho: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    fn tangent<S: Simd>(&self, simd: S, rho: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
         let limit = TANGENT_SHARE * self.radius as f32;
         let out = (rho - self.center as f32).max(0.0).min(limit);
-        let radius = f32x8::splat(simd, self.radius as f32);
+        let radius = f32x16::splat(simd, self.radius as f32);
         let height = (radius * radius - out * out).sqrt();
-        let slope = out.simd_gt(0.0).select(-out / height, f32x8::splat(simd, 0.0));
+        let slope = out.simd_gt(0.0).select(-out / height, f32x16::splat(simd, 0.0));
         (height - self.rise as f32, slope)
     }
 }

@@ -4,7 +4,7 @@
 
 use super::height::{HeightFunction, Jet, Reach, Tangent};
 use crate::geom::Vector3;
-use fearless_simd::{f32x8, mask32x8, prelude::*};
+use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 /// Tangent planes touch no farther out than this share of the shadow: the slope stays finite.
 const TANGENT_SHARE: f32 = 0.9;
@@ -39,17 +39,24 @@ impl HeightFunction for Wheel {
         let (nose_slope, nose_bend) = if dx == 0.0 {
             (0.0, 0.0)
         } else {
-            let slope = -x * dx / nose;
-            (slope, -(dx * dx + slope * slope) / nose)
+            let per_nose = 1.0 / nose;
+            let slope = -x * dx * per_nose;
+            (slope, -(dx * dx + slope * slope) * per_nose)
         };
-        let slope = (radius * nose_slope - z * dz) / value;
-        let bend = (nose_slope * nose_slope + radius * nose_bend - dz * dz - slope * slope) / value;
+        let per_value = 1.0 / value;
+        let slope = (radius * nose_slope - z * dz) * per_value;
+        let bend = nose_slope * nose_slope + radius * nose_bend - dz * dz - slope * slope;
+        let bend = bend * per_value;
         Jet { value, slope, bend }
     }
 
     // The shadow is a capsule: all within r of the segment x = 0, |z| <= R.
     #[inline(always)]
     fn clip(&self, x: f64, z: f64, dx: f64, dz: f64) -> Option<[f64; 2]> {
+        // Most edges lie wholly inside, which takes no root to see.
+        if self.shadows(x, z) && self.shadows(x + dx, z + dz) {
+            return Some([0.0, 1.0]);
+        }
         let mut inside = Span::EMPTY;
         for end in [-self.major, self.major] {
             inside.add(disc_chord(x, z - end, dx, dz, self.minor));
@@ -76,17 +83,17 @@ impl HeightFunction for Wheel {
     }
 
     #[inline(always)]
-    fn tangent<S: Simd>(&self, simd: S, x: f32x8<S>, z: f32x8<S>) -> Tangent<S> {
+    fn tangent<S: Simd>(&self, simd: S, x: f32x16<S>, z: f32x16<S>) -> Tangent<S> {
         let (major, minor) = (self.major as f32, self.minor as f32);
         let x_limit = minor * TANGENT_SHARE;
         let x0 = x.max(-x_limit).min(x_limit);
-        let nose = (f32x8::splat(simd, minor * minor) - x0 * x0).sqrt();
+        let nose = (f32x16::splat(simd, minor * minor) - x0 * x0).sqrt();
         let radius = nose + major;
         let z_limit = radius * TANGENT_SHARE;
         let z0 = z.max(-z_limit).min(z_limit);
         let value = (radius * radius - z0 * z0).sqrt();
         // One division for both slopes.
-        let share = f32x8::splat(simd, 1.0) / (nose * value);
+        let share = f32x16::splat(simd, 1.0) / (nose * value);
         Tangent { x0, z0, value, slope_x: -radius * x0 * share, slope_z: -z0 * nose * share }
     }
 
@@ -94,10 +101,10 @@ impl HeightFunction for Wheel {
     fn passes_by<S: Simd>(
         &self,
         _simd: S,
-        x: f32x8<S>,
-        z: f32x8<S>,
-        radius: f32x8<S>,
-    ) -> mask32x8<S> {
+        x: f32x16<S>,
+        z: f32x16<S>,
+        radius: f32x16<S>,
+    ) -> mask32x16<S> {
         let x_gap = x.abs() - radius - self.minor as f32;
         let z_gap = z.abs() - radius - (self.major + self.minor) as f32;
         x_gap.max(z_gap).simd_gt(0.0)
@@ -113,6 +120,15 @@ impl HeightFunction for Wheel {
     fn reach(&self) -> Reach {
         let rim = self.major + self.minor;
         Reach { x: self.minor, z: rim, top: rim }
+    }
+}
+
+impl Wheel {
+    /// Is `(x, z)` within `minor` of the segment x = 0, |z| <= `major`?
+    #[inline(always)]
+    fn shadows(&self, x: f64, z: f64) -> bool {
+        let beyond = (z.abs() - self.major).max(0.0);
+        x * x + beyond * beyond <= self.minor * self.minor
     }
 }
 

@@ -7,23 +7,29 @@ use super::part::{Found, Part, Primitives};
 use super::view::View;
 use crate::geom::Point3;
 use crate::tool::HeightFunction;
+use fearless_simd::Simd;
 
 /// The highest touch of all primitives.
 #[inline(always)]
-pub(super) fn drop(part: &Part, tool: &impl HeightFunction, view: &View) -> Option<Found> {
+pub(super) fn drop<S: Simd>(
+    simd: S,
+    part: &Part,
+    tool: &impl HeightFunction,
+    view: &View,
+) -> Option<Found> {
     let mut best = None;
     match &part.primitives {
-        Primitives::Triangles(facets) => {
+        Primitives::Triangles(facets, _) => {
             for (primitive, facet) in facets.iter().enumerate() {
                 if may_touch(tool, view, &facet.corners, best.as_ref()) {
-                    part.try_one(tool, view, primitive as u32, &mut best);
+                    part.try_one(simd, tool, view, primitive as u32, &mut best);
                 }
             }
         }
-        Primitives::Points(points) => {
+        Primitives::Points(points, _) => {
             for (primitive, point) in points.iter().enumerate() {
                 if may_touch(tool, view, &[*point], best.as_ref()) {
-                    part.try_one(tool, view, primitive as u32, &mut best);
+                    part.try_one(simd, tool, view, primitive as u32, &mut best);
                 }
             }
         }

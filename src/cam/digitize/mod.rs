@@ -5,14 +5,15 @@
 //! exactly ([`touch`]): facet, edge or vertex. On a cloud it is one of its points: the thesis' mode.
 //!
 //! Two ways give the same contacts, bit for bit: [`exhaustive`] tries every primitive and is the
-//! reference; [`indexed`] descends a tree best-first from the last contact. The rules that make it
-//! so: an edge is evaluated from its lexicographically smaller end; the greatest height wins, then
-//! the lowest primitive number; in one triangle facet before edge before vertex; bounds are rounded
-//! up and only what is strictly below the best is dropped.
+//! reference; [`indexed`] descends a tree from the last contact. The rules that make it so: an edge
+//! is evaluated from its lexicographically smaller end; the greatest height wins, then the lowest
+//! primitive number; in one triangle facet before edge before vertex; bounds are rounded up and only
+//! what is strictly below the best is dropped.
 
 mod bound;
 mod exhaustive;
 mod indexed;
+mod list;
 mod part;
 mod touch;
 mod view;
@@ -129,12 +130,12 @@ impl Digitizer<'_> {
         chunk: &mut [Option<Contact>],
         attack_from_part: impl Fn(usize) -> Pose,
     ) {
-        let mut start = 0;
+        let mut memory = indexed::Memory::default();
         for (i, slot) in chunk.iter_mut().enumerate() {
             let view = View::new(&attack_from_part(i));
             let found = match self.method {
-                Method::Indexed => indexed::drop(simd, self.part, tool, &view, &mut start),
-                Method::Exhaustive => exhaustive::drop(self.part, tool, &view),
+                Method::Indexed => indexed::drop(simd, self.part, tool, &view, &mut memory),
+                Method::Exhaustive => exhaustive::drop(simd, self.part, tool, &view),
             };
             *slot = found.map(|found| found.contact(self.part, tool, &view));
         }

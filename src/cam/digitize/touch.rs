@@ -39,6 +39,8 @@ pub(super) struct Touch {
     pub(super) at: Vector3,
     /// What is touched.
     pub(super) kind: ContactKind,
+    /// The side of a triangle it was found on, in the part frame.
+    pub(super) side: Option<[Point3; 2]>,
 }
 
 /// What a tool touches.
@@ -88,18 +90,21 @@ fn cross(u: &Vector3, v: &Vector3) -> Vector3 {
 #[inline(always)]
 pub(super) fn on_point(tool: &impl HeightFunction, at: Vector3) -> Option<Touch> {
     let height = at.y + tool.height(at.x, at.z)?;
-    Some(Touch { height, at, kind: ContactKind::Point })
+    Some(Touch { height, at, kind: ContactKind::Point, side: None })
 }
 
-/// Where the tool touches `facet`; `None` if it passes by or if that is surely below `least`.
+/// Where the tool touches `facet`; `None` if it passes by or if that is surely below `best`, the
+/// highest of the triangles tried before.
 #[inline(always)]
 pub(super) fn on_triangle(
     tool: &impl HeightFunction,
     view: &View,
     facet: &Facet,
-    least: f64,
+    best: Option<&Touch>,
 ) -> Option<Touch> {
-    let corners = facet.corners.map(|corner| view.see(&corner));
+    let least = best.map_or(f64::NEG_INFINITY, |best| best.height);
+    let [a, b, c] = &facet.corners;
+    let corners = [view.see(a), view.see(b), view.see(c)];
     let normal = view.facing(&facet.normal);
     let mut behind = [true; 3];
     if 0.0 < normal.y {
@@ -113,7 +118,7 @@ pub(super) fn on_triangle(
         let at = Vector3::new(support.x, support.y + height, support.z);
         behind = sides_behind(&corners, &normal, &at);
         if behind == [false; 3] {
-            return Some(Touch { height, at, kind: ContactKind::Facet });
+            return Some(Touch { height, at, kind: ContactKind::Facet, side: None });
         }
         if normal.y < STEEP {
             behind = [true; 3];
@@ -122,16 +127,22 @@ pub(super) fn on_triangle(
     // Concave with its peak over the plane at `at`: the greatest value of the triangle lies on a
     // side that parts it from `at`.
     let sides = [[0, 1], [0, 2], [1, 2]];
-    let mut best: Option<Touch> = None;
+    let mut highest: Option<Touch> = None;
     for ([from, to], _) in sides.into_iter().zip(behind).filter(|(_, behind)| *behind) {
-        let least = best.map_or(least, |best| best.height);
-        if let Some(touch) = on_edge(tool, &corners[from], &corners[to], least)
-            && best.is_none_or(|best| best.is_beaten_by(&touch))
+        let least = highest.map_or(least, |highest| highest.height);
+        let side = Some([facet.corners[from], facet.corners[to]]);
+        let touch = match best {
+            // Most sides are shared by two triangles: this one has been searched.
+            Some(best) if best.side == side => Some(*best),
+            _ => on_edge(tool, &corners[from], &corners[to], least),
+        };
+        if let Some(touch) = touch
+            && highest.is_none_or(|highest| highest.is_beaten_by(&touch))
         {
-            best = Some(touch);
+            highest = Some(Touch { side, ..touch });
         }
     }
-    best
+    highest
 }
 
 impl Touch {
@@ -172,7 +183,7 @@ fn on_edge(tool: &impl HeightFunction, p: &Vector3, q: &Vector3, least: f64) -> 
     };
     let touch = |s: f64, height: f64| {
         let kind = if s == 0.0 || s == 1.0 { ContactKind::Vertex } else { ContactKind::Edge };
-        Touch { height, at: at(s), kind }
+        Touch { height, at: at(s), kind, side: None }
     };
     // The tool bends everywhere at least so much, so that from a slope less than the square root of
     // `level` nothing is left to gain. What the local bend promises is no bound: past a corner arc

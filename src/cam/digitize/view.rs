@@ -22,8 +22,13 @@ impl View {
     /// One coordinate of a part point; [`see`](Self::see) gives the same bits.
     #[inline(always)]
     pub(super) fn coordinate(&self, axis: usize, point: &Point3) -> f64 {
+        self.turned(axis, &point.coords) + self.shift[axis]
+    }
+
+    #[inline(always)]
+    fn turned(&self, axis: usize, direction: &Vector3) -> f64 {
         let row = |k| self.rotation[(axis, k)];
-        row(0) * point.x + row(1) * point.y + row(2) * point.z + self.shift[axis]
+        row(0) * direction.x + row(1) * direction.y + row(2) * direction.z
     }
 
     /// A part point in the attack frame.
@@ -36,7 +41,7 @@ impl View {
     /// any winding.
     #[inline(always)]
     pub(super) fn facing(&self, normal: &Vector3) -> Vector3 {
-        let turned = self.rotation * normal;
+        let turned = Vector3::from_fn(|axis, _| self.turned(axis, normal));
         if turned.y < 0.0 { -turned } else { turned }
     }
 
