@@ -1,6 +1,7 @@
 //! Does the part fit the machine, and can the tool pass its clamps?
 
 use super::setup::Setup;
+use super::tilt::TurnLine;
 use crate::geom::Pose;
 use crate::machine::{Axis, AxisValues, Machine};
 use crate::tool::Reach;
@@ -46,22 +47,24 @@ pub enum FitError {
 }
 
 /// The attack word at which nothing can be touched: above the part with all its clamps, whichever
-/// way it is turned, by the machine's clearance.
+/// way it is turned, about `line` if that is what turns it, by the machine's clearance.
 pub fn clear_word(
     setup: &Setup,
     machine: &Machine,
     rest: &AxisValues,
+    line: Option<&TurnLine>,
     reach: Reach,
 ) -> Result<f64, FitError> {
     let attack_from_part = machine.attack_from_part(rest);
-    let highest = match machine.spindle {
-        Some(index) => {
+    let highest = match (line, machine.spindle) {
+        (Some(line), _) => line.highest(machine, setup.surface.points().iter()),
+        (None, Some(index)) => {
             let line = machine.axes[index].point;
             let points = setup.surface.points().iter();
             let swing = points.map(|p| (p.y - line.y).hypot(p.z - line.z)).fold(0.0, f64::max);
             (attack_from_part * line).y + swing
         }
-        None => highest(setup, &attack_from_part),
+        (None, None) => highest(setup, &attack_from_part),
     };
     let axis = &machine.axes[machine.attack];
     let word = axis.word(highest + reach.top + machine.clearance);

@@ -1,19 +1,23 @@
 //! From a part on a machine to a toolpath.
 
 mod clamps;
+mod contour;
 mod digitize;
 mod fit;
 mod reach;
 mod schedule;
 mod setup;
+mod tilt;
 mod toolpath;
 mod trajectory;
 
 pub use clamps::ClampError;
+pub use contour::{Across, ContourOptions, contours};
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
 pub use fit::{FitError, clear_word, room_beside, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
 pub use schedule::{PassOptions, pass};
-pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};
+pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, TABLE_GAP, set_up};
+pub use tilt::{TiltError, TurnLine};
 pub use toolpath::{Move, Pace, Toolpath};
 pub use trajectory::{Spacing, Strategy, Trajectory, TrajectoryError};

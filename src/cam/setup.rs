@@ -6,9 +6,10 @@
 //! the highest touch of all pieces, so no boolean is needed.
 
 use super::clamps::{self, ClampError, Clamps};
-use crate::geom::{Aabb, Matrix3, Point3, Pose, Surface, TriMesh, Vector3};
+use crate::geom::{Aabb, Matrix3, Point3, Pose, Surface, TriMesh, Vector3, shapes};
 use crate::machine::Machine;
 use nalgebra::{Rotation3, SymmetricEigen, Translation3, Unit, UnitQuaternion};
+use std::f64::consts::FRAC_PI_2;
 use std::str::FromStr;
 
 /// How the part is laid on the machine.
@@ -63,6 +64,10 @@ pub enum Centre {
 
 /// The part's ends, as a share of its length.
 const END: f64 = 0.06;
+/// A tool that goes around a part on a table stays off the table by this [mm].
+pub const TABLE_GAP: f64 = 1.0;
+/// Sides of the plate that stands for the table.
+const TABLE_SIDES: usize = 64;
 
 /// A part on its machine, with all that holds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,6 +110,15 @@ impl Setup {
     /// How long the clamps are beyond the part's ends, the shorter of them [mm].
     pub fn clamp_length(&self) -> f64 {
         (self.part.min.x - self.stretch[0]).min(self.stretch[1] - self.part.max.x)
+    }
+
+    /// Adds the table a part is turned on, so that the tool spares it: a plate of `radius` about
+    /// the line through `middle` along Z, [`TABLE_GAP`] above where the part stands.
+    pub fn add_table(&mut self, middle: &Point3, radius: f64) {
+        let upright = Rotation3::from_axis_angle(&Vector3::y_axis(), -FRAC_PI_2);
+        let place = Translation3::new(middle.x, middle.y, self.part.min.z);
+        let plate = shapes::stub(TABLE_SIDES, radius, -1.0, TABLE_GAP);
+        add_clamp(&mut self.surface, plate.moved(&Pose::from_parts(place, upright.into())));
     }
 
     /// The points of the part alone.

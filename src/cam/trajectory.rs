@@ -1,8 +1,11 @@
 //! Trajectories: every axis but the attack axis, position by position.
 //!
 //! On a machine with a spindle the tool runs around the part in a helix, in rings, or along it in
-//! lines; on a table it runs over it in raster lines. A trajectory is a formula, not a list.
+//! lines; a table that is tilted lets it do the same. On a table it runs over the part in raster
+//! lines. Such a trajectory is a formula, not a list; only one along contours is listed.
 
+use super::contour::Across;
+use super::tilt::{TiltError, TurnLine};
 use crate::machine::{Axis, AxisKind, AxisValues, Carries, MAX_AXES, Machine};
 use std::f64::consts::TAU;
 
@@ -20,6 +23,8 @@ pub enum Strategy {
     Lines,
     /// Lines along X, back and forth, one pitch apart.
     Raster,
+    /// Rings parallel to the part's outline on the table, one pitch apart, from outside inwards.
+    Contour,
 }
 
 /// How far apart positions and lines are.
@@ -45,6 +50,8 @@ pub struct Trajectory<'a> {
     spacing: Spacing,
     /// Ends of a line along X [mm].
     along: [f64; 2],
+    /// Where a run along contours goes; empty for all others.
+    contour: Vec<Across>,
 }
 
 /// Why a strategy cannot run on a machine.
@@ -59,6 +66,14 @@ pub enum TrajectoryError {
         strategy: Strategy,
         /// What is missing.
         axis: &'static str,
+    },
+    /// The table does not turn the part under the tool.
+    #[error("{strategy:?} runs around the part, and {source}")]
+    Tilt {
+        /// The strategy.
+        strategy: Strategy,
+        /// Why not.
+        source: TiltError,
     },
     /// A spacing is not a positive number.
     #[error("the {what} is {value}; it must be a number above 0")]
@@ -91,8 +106,10 @@ struct Drives {
     along: Drive,
     /// Along the attack frame's z.
     across: Option<Drive>,
-    /// The part's turn about X.
+    /// The part's turn about X, or about `line`.
     turn: Option<Drive>,
+    /// The line of a tilted table, which lies along neither `along` nor `across`.
+    line: Option<TurnLine>,
 }
 
 /// An axis, and its motion per unit of what it drives.
@@ -111,14 +128,15 @@ impl<'a> Trajectory<'a> {
         spacing: Spacing,
         rest: &AxisValues,
     ) -> Result<Self, TrajectoryError> {
-        let drives = Drives::of(machine, strategy)?;
+        let drives = Drives::of(machine, strategy, rest)?;
         let positive = [("step", spacing.step), ("points per turn", f64::from(spacing.per_turn))];
         for (what, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(TrajectoryError::NotPositive { what, value });
             }
         }
-        let run = Self { machine, drives, rest: *rest, strategy, spacing, along };
+        let contour = Vec::new();
+        let run = Self { machine, drives, rest: *rest, strategy, spacing, along, contour };
         let positions = run.rows() as f64 * run.per_row();
         if positions > MOST_POSITIONS {
             return Err(TrajectoryError::TooMany { positions, most: MOST_POSITIONS });
@@ -126,8 +144,25 @@ impl<'a> Trajectory<'a> {
         Ok(run)
     }
 
+    /// A run through the points of `contour`, axes it does not drive at `rest`.
+    pub fn through(
+        machine: &'a Machine,
+        contour: Vec<Across>,
+        spacing: Spacing,
+        rest: &AxisValues,
+    ) -> Result<Self, TrajectoryError> {
+        let strategy = Strategy::Contour;
+        let drives = Drives::of(machine, strategy, rest)?;
+        let range = |[low, high]: [f64; 2], point: &Across| [low.min(point[0]), high.max(point[0])];
+        let along = contour.iter().fold([f64::INFINITY, f64::NEG_INFINITY], range);
+        Ok(Self { machine, drives, rest: *rest, strategy, spacing, along, contour })
+    }
+
     /// Number of positions.
     pub fn n_positions(&self) -> usize {
+        if self.strategy == Strategy::Contour {
+            return self.contour.len();
+        }
         let extra = usize::from(self.strategy == Strategy::Helix);
         self.rows() * self.per_row() as usize + extra
     }
@@ -144,21 +179,26 @@ impl<'a> Trajectory<'a> {
         match self.strategy {
             Strategy::Helix => {
                 let turns = i as f64 / f64::from(self.spacing.per_turn);
-                self.set(&mut values, Some(self.drives.along), self.helix_x(turns));
+                self.go_along(&mut values, self.helix_x(turns));
                 self.set(&mut values, self.drives.turn, TAU * turns);
             }
             Strategy::Rings => {
-                self.set(&mut values, Some(self.drives.along), stations[row]);
+                self.go_along(&mut values, stations[row]);
                 self.set(&mut values, self.drives.turn, TAU * (row as f64 + share));
             }
             Strategy::Lines => {
                 let angle = TAU * row as f64 / f64::from(self.spacing.per_turn);
-                self.set(&mut values, Some(self.drives.along), on_line(back_and_forth(row)));
+                self.go_along(&mut values, on_line(back_and_forth(row)));
                 self.set(&mut values, self.drives.turn, angle);
             }
             Strategy::Raster => {
                 self.set(&mut values, Some(self.drives.along), on_line(back_and_forth(row)));
                 self.set(&mut values, self.drives.across, stations[row]);
+            }
+            Strategy::Contour => {
+                let [x, z] = self.contour[i];
+                self.set(&mut values, Some(self.drives.along), x);
+                self.set(&mut values, self.drives.across, z);
             }
         }
         values
@@ -191,6 +231,7 @@ impl<'a> Trajectory<'a> {
         match self.strategy {
             Strategy::Helix => f64::from(self.spacing.per_turn),
             Strategy::Rings => f64::from(self.spacing.per_turn) + 1.0,
+            Strategy::Contour => self.contour.len().max(1) as f64,
             Strategy::Lines | Strategy::Raster => {
                 ((self.along[1] - self.along[0]) / self.spacing.step).ceil().max(1.0) + 1.0
             }
@@ -203,6 +244,7 @@ impl<'a> Trajectory<'a> {
             Strategy::Helix => self.spacing.stations.len() + 1,
             Strategy::Lines => self.spacing.per_turn as usize,
             Strategy::Rings | Strategy::Raster => self.spacing.stations.len(),
+            Strategy::Contour => 1,
         }
     }
 
@@ -215,6 +257,17 @@ impl<'a> Trajectory<'a> {
         from + (to - from) * (turns - whole as f64)
     }
 
+    /// Over `station` of the line the part turns about.
+    fn go_along(&self, values: &mut AxisValues, station: f64) {
+        let Some(line) = &self.drives.line else {
+            self.set(values, Some(self.drives.along), station);
+            return;
+        };
+        let [x, z] = line.at(station);
+        self.set(values, Some(self.drives.along), x);
+        self.set(values, self.drives.across, z);
+    }
+
     fn set(&self, values: &mut AxisValues, drive: Option<Drive>, position: f64) {
         if let Some(Drive { axis, sense }) = drive {
             values[axis] = self.machine.axes[axis].word(sense * position);
@@ -223,7 +276,11 @@ impl<'a> Trajectory<'a> {
 }
 
 impl Drives {
-    fn of(machine: &Machine, strategy: Strategy) -> Result<Self, TrajectoryError> {
+    fn of(
+        machine: &Machine,
+        strategy: Strategy,
+        rest: &AxisValues,
+    ) -> Result<Self, TrajectoryError> {
         let frame = machine.attack_from_machine();
         let linear = |toward: usize| {
             let free = |(index, axis): &(usize, &Axis)| {
@@ -247,13 +304,19 @@ impl Drives {
         let along = linear(0).ok_or_else(|| missing("linear axis along X"))?;
         let across = linear(2);
         match strategy {
-            Strategy::Raster if across.is_none() => {
+            Strategy::Raster | Strategy::Contour if across.is_none() => {
                 Err(missing("linear axis across X and the attack axis"))
             }
             Strategy::Helix | Strategy::Rings | Strategy::Lines if turn.is_none() => {
-                Err(missing("spindle that turns the part"))
+                let tilt = |source| TrajectoryError::Tilt { strategy, source };
+                let line = TurnLine::of(machine, rest).map_err(tilt)?;
+                if across.is_none() {
+                    return Err(missing("linear axis across X and the attack axis"));
+                }
+                let turn = Some(Drive { axis: line.axis, sense: 1.0 });
+                Ok(Self { along, across, turn, line: Some(line) })
             }
-            _ => Ok(Self { along, across, turn }),
+            _ => Ok(Self { along, across, turn, line: None }),
         }
     }
 }

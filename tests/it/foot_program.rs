@@ -70,7 +70,7 @@ fn path_around(surface: Surface, machine: &Machine, per_turn: u32, along: [f64; 
     let Cutter::Wheel(wheel) = cutter else { panic!("{WHEEL} is no wheel") };
     let setup = set_up(surface, machine, &SetupOptions::default()).unwrap();
     let rest = machine.at_rest();
-    let clear = clear_word(&setup, machine, &rest, wheel.reach()).unwrap();
+    let clear = clear_word(&setup, machine, &rest, None, wheel.reach()).unwrap();
     let Surface::Mesh(mesh) = &setup.surface else { panic!("the part has no triangles") };
     let part = Part::triangles(mesh);
     let digitizer = Digitizer { part: &part, cutter, method: Method::Indexed };

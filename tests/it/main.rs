@@ -21,6 +21,7 @@ mod licences;
 mod linuxcnc;
 mod machine_files;
 mod machines;
+mod mill_paths;
 mod oracles;
 mod output;
 mod page;

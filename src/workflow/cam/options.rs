@@ -13,7 +13,8 @@ pub struct CamOptions {
     #[arg(long, value_name = "TOOL")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool: Option<String>,
-    /// How the tool runs over the part [default: helix around it, raster on a table].
+    /// How the tool runs over the part [default: helix around it, raster on a table]. On a table held
+    /// at an angle (--hold A=60) helix, rings and lines turn the part about the table's own axis.
     #[arg(long, value_name = "STRATEGY")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strategy: Option<Strategy>,

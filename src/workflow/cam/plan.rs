@@ -6,14 +6,15 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
-    Digitizer, FitError, Part, PassOptions, Setup, SetupError, Stand, Strategy, Trajectory,
-    TrajectoryError, clear_word, pass, reach, room_beside, run_along, set_up, within,
+    ContourOptions, Digitizer, FitError, Part, PassOptions, Setup, SetupError, Spacing, Stand,
+    Strategy, Trajectory, TrajectoryError, TurnLine, clear_word, contours, pass, reach,
+    room_beside, run_along, set_up, within,
 };
 use crate::gcode::{self, Dialect, PostError};
 use crate::geom::{Point3, Surface};
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine, MachineError};
 use crate::progress::{Cancelled, Progress};
-use crate::tool::{Profile, Tool, ToolError};
+use crate::tool::{Profile, Reach, Tool, ToolError};
 
 /// The tool runs this share of its reach beyond the part's ends: at its very side rounding would
 /// decide, from one position to the next, whether it touches the end or the clamp.
@@ -97,6 +98,9 @@ pub enum CamError {
     /// Exact digitizing was asked for a part without triangles.
     #[error("mode triangles needs triangles, and the part has points alone; use --mode points")]
     NoTriangles,
+    /// Contours were asked for around a part without triangles.
+    #[error("strategy contour needs triangles to find the outline, and the part has points alone")]
+    NoOutline,
     /// The program read back is not the path it was made from: our fault.
     #[error("the program read back leaves the path at move {i_move}: this is a bug in horma")]
     ReadBack {
@@ -115,15 +119,17 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     tool.profile.check()?;
     machine.check_tool(&tool)?;
     let cutter = tool.profile.cutter(options.allowance.unwrap_or(0.0));
-    let setup = set_up(in_mode(surface, options.mode)?, machine, &options.setup()?)?;
+    let mut setup = set_up(in_mode(surface, options.mode)?, machine, &options.setup()?)?;
+    let stand = Stand { machine, rest: held(machine, &options.hold)? };
+    let run = run_of(&mut setup, stand, options, &tool.profile)?;
+    let clear = clear_word(&setup, machine, &stand.rest, run.line.as_ref(), cutter.reach())?;
     let part = prepared(&setup.surface);
     let digitizer = Digitizer { part: &part, cutter, method: options.method.unwrap_or_default() };
-
-    let stand = Stand { machine, rest: held(machine, &options.hold)? };
-    let clear = clear_word(&setup, machine, &stand.rest, cutter.reach())?;
-    let run = run_of(&setup, stand, options, &tool.profile)?;
     let spacing = spacing::spacing(&run, &digitizer, &tool.profile, options, progress)?;
-    let way = Trajectory::new(machine, run.strategy, run.along, spacing, &stand.rest)?;
+    let way = match run.strategy {
+        Strategy::Contour => contour_way(&setup, &run, spacing)?,
+        strategy => Trajectory::new(machine, strategy, run.along, spacing, &stand.rest)?,
+    };
     within_travel(machine, &way)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
     let contacts = digitizer.run(way.n_positions(), pose, progress)?;
@@ -138,12 +144,16 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     };
     let toolpath = pass(machine, way.n_positions(), position, pace, progress)?;
     let run_report = RunReport::new(&way, &setup, &tool, options, &heights);
+    let is_turned_on_table = run.line.is_some();
     let path = keep_scene.then(|| (heights.touched(), heights.thinned()));
     // A million positions are 60 MB: gone before the program is made.
     drop(contacts);
 
     let reach = match &setup.surface {
-        Surface::Mesh(mesh) => Some(reach(&digitizer, &stand, mesh, setup.n_own, progress)?),
+        // Its poses are those of a spindle, or of a part at rest.
+        Surface::Mesh(mesh) if run.line.is_none() => {
+            Some(reach(&digitizer, &stand, mesh, setup.n_own, progress)?)
+        }
         _ => None,
     };
     let stock = options.stock.unwrap_or_else(|| depth_of_cut(&tool.profile));
@@ -165,6 +175,9 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         program: written.check,
         warnings: written.warnings,
     };
+    if is_turned_on_table {
+        report.warn_of_table();
+    }
     report.warn();
     let scene = path.map(|(path, heights)| Scene {
         surface: setup.surface,
@@ -223,7 +236,7 @@ fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
 /// Where the run goes: by default around a part on a spindle, over one on a table; and so far
 /// beyond its ends that it cuts them whole, or as far as the clamps leave room.
 fn run_of<'a>(
-    setup: &Setup,
+    setup: &mut Setup,
     stand: Stand<'a>,
     options: &CamOptions,
     profile: &Profile,
@@ -232,7 +245,11 @@ fn run_of<'a>(
     let has_spindle = stand.machine.spindle.is_some();
     let usual = if has_spindle { Strategy::Helix } else { Strategy::Raster };
     let strategy = options.strategy.unwrap_or(usual);
-    let [along, stations] = if has_spindle && strategy != Strategy::Raster {
+    let is_around = !matches!(strategy, Strategy::Raster | Strategy::Contour);
+    if is_around && !has_spindle {
+        return on_tilted_table(setup, stand, strategy, options.overrun, reach);
+    }
+    let [along, stations] = if is_around {
         // The tool is no wider for the allowance it leaves.
         let bare = profile.cutter(0.0).reach();
         let whole = (NEARLY * reach.x).min(room_beside(setup, bare));
@@ -242,7 +259,45 @@ fn run_of<'a>(
         let beyond = [reach.x, reach.z].map(|reach| options.overrun.unwrap_or(NEARLY * reach));
         over_part(setup, &stand, beyond)
     };
-    Ok(Run { stand, strategy, along, stations })
+    Ok(Run { stand, strategy, along, stations, line: None })
+}
+
+/// Around a part that a tilted table turns. The table becomes a part of what the tool spares.
+fn on_tilted_table<'a>(
+    setup: &mut Setup,
+    stand: Stand<'a>,
+    strategy: Strategy,
+    overrun: Option<f64>,
+    reach: Reach,
+) -> Result<Run<'a>, CamError> {
+    let Stand { machine, rest } = stand;
+    let tilt = |source| TrajectoryError::Tilt { strategy, source };
+    let line = TurnLine::of(machine, &rest).map_err(tilt)?;
+    let beyond = overrun.unwrap_or(NEARLY * reach.x);
+    let along = line.stretch(machine, setup.own_points(), beyond);
+    setup.swing = line.swing(machine, setup.own_points());
+    setup.add_table(&machine.axes[line.axis].point, setup.swing + 2.0 * reach.x);
+    Ok(Run { stand, strategy, along, stations: along, line: Some(line) })
+}
+
+/// The run along the contours of the part as it stands.
+fn contour_way<'a>(
+    setup: &Setup,
+    run: &Run<'a>,
+    spacing: Spacing,
+) -> Result<Trajectory<'a>, CamError> {
+    let Stand { machine, rest } = run.stand;
+    let Surface::Mesh(mesh) = &setup.surface else { return Err(CamError::NoOutline) };
+    let pose = machine.attack_from_part(&rest);
+    let seen = |point: &Point3| {
+        let seen = pose * point;
+        [seen.x, seen.z]
+    };
+    let own = setup.own_points().map(seen).fold(f64::INFINITY, |least, [x, _]| least.min(x));
+    let [pitch, _] = spacing.pitch_range();
+    let options = ContourOptions { pitch, step: spacing.step, overrun: own - run.along[0] };
+    let points = contours(mesh, setup.n_own, seen, &options);
+    Ok(Trajectory::through(machine, points, spacing, &rest)?)
 }
 
 /// Refuses a trajectory that leaves an axis' travel, before it is digitized.

@@ -3,7 +3,7 @@
 use super::CamOptions;
 use super::heights::Heights;
 use super::spacing::scallop;
-use crate::cam::{ReachReport, Setup, Strategy, Trajectory};
+use crate::cam::{ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
 use crate::gcode::CheckReport;
 use crate::geom::Surface;
 use crate::tool::Tool;
@@ -161,6 +161,16 @@ impl RunReport {
 }
 
 impl CamReport {
+    /// Adds what is different on a tilted table.
+    pub(super) fn warn_of_table(&mut self) {
+        // It runs off the part's top, and down to its table.
+        self.run.overrun = [self.run.overrun[1]; 2];
+        self.warnings.push(format!(
+            "turned on the tilted table: the lowest {TABLE_GAP} mm above it are spared, and what the \
+             tool cannot reach at this tilt is not mapped"
+        ));
+    }
+
     /// Adds what the user should know before pressing start.
     pub(super) fn warn(&mut self) {
         let mut say = |text: String| self.warnings.push(text);

@@ -6,7 +6,9 @@
 //! than the pitch, `s = pitch / hypot(N_y, N_z)`: toe and heel need a finer one.
 
 use super::CamOptions;
-use crate::cam::{Contact, Digitizer, Spacing, Stand, Strategy, Trajectory, TrajectoryError};
+use crate::cam::{
+    Contact, Digitizer, Spacing, Stand, Strategy, Trajectory, TrajectoryError, TurnLine,
+};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::Profile;
 
@@ -30,6 +32,9 @@ pub enum SpacingError {
         /// The tool's shape.
         tool: String,
     },
+    /// A ridge height is asked for between rings that keep one distance all around.
+    #[error("--scallop cannot grade a contour's rings; give --pitch instead")]
+    Ungraded,
     /// The coarse pass cannot run.
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
@@ -45,6 +50,8 @@ pub(super) struct Run<'a> {
     pub(super) strategy: Strategy,
     pub(super) along: [f64; 2],
     pub(super) stations: [f64; 2],
+    /// What turns the part where no spindle does.
+    pub(super) line: Option<TurnLine>,
 }
 
 /// The spacing `options` ask for.
@@ -55,6 +62,9 @@ pub(super) fn spacing(
     options: &CamOptions,
     progress: &dyn Progress,
 ) -> Result<Spacing, SpacingError> {
+    if run.strategy == Strategy::Contour && options.scallop.is_some() {
+        return Err(SpacingError::Ungraded);
+    }
     let coarse = match (options.scallop, options.points_per_mm) {
         (None, None) => Vec::new(),
         _ => coarse_pass(run, digitizer, progress)?,
@@ -63,6 +73,7 @@ pub(super) fn spacing(
     let pitch = options.pitch.or(per_mm).unwrap_or(PITCH);
     let [from, to] = run.stations;
     let stations = match options.scallop {
+        _ if run.strategy == Strategy::Contour => vec![0.0, pitch],
         Some(height) => {
             let nose = nose_radius(profile)?;
             let steps: Vec<(f64, f64)> =
@@ -113,6 +124,8 @@ fn level(strategy: Strategy, contact: &Contact) -> f64 {
     match strategy {
         // Rows of a raster step across y.
         Strategy::Raster => normal.x.hypot(normal.z),
+        // Rings step any way: the steepest one is assumed.
+        Strategy::Contour => normal.z.abs(),
         _ => normal.y.hypot(normal.z),
     }
     .max(1e-3)
@@ -142,8 +155,10 @@ fn coarse_pass(
     let apart = ((to - from) / COARSE_RINGS).max(0.5);
     let stations = Spacing::even(from, to, apart)?;
     let spacing = Spacing { per_turn: COARSE_TURN, step: 2.0 * apart, stations: stations.clone() };
-    let strategy =
-        if run.strategy == Strategy::Raster { Strategy::Raster } else { Strategy::Rings };
+    let strategy = match run.strategy {
+        Strategy::Raster | Strategy::Contour => Strategy::Raster,
+        _ => Strategy::Rings,
+    };
     let pass = Trajectory::new(run.stand.machine, strategy, run.along, spacing, &run.stand.rest)?;
     let pose = |i: usize| run.stand.machine.attack_from_part(&pass.values(i));
     let contacts = digitizer.run(pass.n_positions(), pose, progress)?;

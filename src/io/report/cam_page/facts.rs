@@ -16,7 +16,9 @@ pub(super) fn run(run: &RunReport) -> Block {
     facts.push(match run.strategy {
         Strategy::Helix | Strategy::Rings => fact("Positions a turn", run.per_turn),
         Strategy::Lines => fact("Lines around the part", run.per_turn),
-        Strategy::Raster => fact("Step along a row", format!("{} mm", fine(run.step))),
+        Strategy::Raster | Strategy::Contour => {
+            fact("Step along a row", format!("{} mm", fine(run.step)))
+        }
     });
     facts.push(match run.strategy {
         Strategy::Lines => fact("Step along a line", format!("{} mm", fine(run.step))),

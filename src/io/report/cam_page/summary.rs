@@ -55,7 +55,9 @@ fn run(run: &RunReport) -> String {
             format!("pitch {} mm, {} a turn", pitch(run.pitch), run.per_turn)
         }
         Strategy::Lines => format!("{} lines, step {} mm", run.per_turn, fine(run.step)),
-        Strategy::Raster => format!("pitch {} mm, step {} mm", pitch(run.pitch), fine(run.step)),
+        Strategy::Raster | Strategy::Contour => {
+            format!("pitch {} mm, step {} mm", pitch(run.pitch), fine(run.step))
+        }
     };
     let mut text =
         format!("{}, {} positions, {spacing}", strategy(run.strategy), count(run.n_positions));

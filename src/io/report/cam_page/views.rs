@@ -142,6 +142,10 @@ impl Row {
                 let spacing = std::f64::consts::TAU * report.setup.swing / f64::from(run.per_turn);
                 Self { name: "line", n_points: on_a_line(run), spacing }
             }
+            // A contour's rings are of any length: it is drawn whole.
+            Strategy::Contour => {
+                Self { name: "ring", n_points: run.n_positions, spacing: f64::INFINITY }
+            }
             Strategy::Raster => {
                 Self { name: "row", n_points: on_a_line(run), spacing: run.pitch[0] }
             }

@@ -29,6 +29,7 @@ pub(super) fn strategy(strategy: Strategy) -> &'static str {
         Strategy::Rings => "rings",
         Strategy::Lines => "lines",
         Strategy::Raster => "raster",
+        Strategy::Contour => "contour",
     }
 }
 
