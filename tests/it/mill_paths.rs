@@ -91,6 +91,8 @@ fn a_tilted_table_turns_a_column_under_the_tool_and_keeps_the_tool_off_itself() 
             ..Default::default()
         };
         let plan = cut(&column(), "mill-5axis", &options);
+        // It never goes down behind the part.
+        assert!(plan.report.run.greatest_rise < 25.0, "{}", plan.report.run.greatest_rise);
         let (mut n_walls, mut n_top) = (0, 0);
         for words in feed_words(&plan, "mill-5axis") {
             let mut values = words;

@@ -6,8 +6,8 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
-    ContourOptions, Digitizer, FitError, Part, PassOptions, Setup, SetupError, Spacing, Stand,
-    Strategy, Trajectory, TrajectoryError, TurnLine, clear_word, contours, pass, reach,
+    Contact, ContourOptions, Digitizer, FitError, Part, PassOptions, Setup, SetupError, Spacing,
+    Stand, Strategy, Trajectory, TrajectoryError, TurnLine, clear_word, contours, pass, reach,
     room_beside, run_along, set_up, within,
 };
 use crate::gcode::{self, Dialect, PostError};
@@ -132,7 +132,10 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     };
     within_travel(machine, &way)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
-    let contacts = digitizer.run(way.n_positions(), pose, progress)?;
+    let mut contacts = digitizer.run(way.n_positions(), pose, progress)?;
+    if run.line.is_some() {
+        stay_over_part(&mut contacts, setup.n_own);
+    }
     let rule = options.off_part.unwrap_or_default();
     let heights = Heights::new(&contacts, rule, machine, clear).ok_or(CamError::Missed)?;
 
@@ -298,6 +301,19 @@ fn contour_way<'a>(
     let options = ContourOptions { pitch, step: spacing.step, overrun: own - run.along[0] };
     let points = contours(mesh, setup.n_own, seen, &options);
     Ok(Trajectory::through(machine, points, spacing, &rest)?)
+}
+
+/// Where the tool would go down past the part onto the table, it keeps the height it had over the
+/// part.
+fn stay_over_part(contacts: &mut [Option<Contact>], n_own: usize) {
+    let mut over_part = f64::NEG_INFINITY;
+    for contact in contacts.iter_mut().flatten() {
+        if (contact.primitive as usize) < n_own {
+            over_part = contact.height;
+        } else {
+            contact.height = contact.height.max(over_part);
+        }
+    }
 }
 
 /// Refuses a trajectory that leaves an axis' travel, before it is digitized.

@@ -90,9 +90,12 @@ fn reach_and_travel(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::
     }
     blocks.push(match &report.reach {
         Some(reach) => facts::reach(reach),
-        None => Block::Text(
+        None if report.part.mode == "points" => Block::Text(
             "Points alone have no area, so what the tool can reach of them is not known.".into(),
         ),
+        None => {
+            Block::Text("What the tool cannot reach around a tilted table is not mapped.".into())
+        }
     });
     Ok(blocks)
 }
