@@ -1,21 +1,25 @@
 //! From a part on a machine to a toolpath.
 
+mod block;
 mod clamps;
 mod contour;
 mod digitize;
 mod fit;
 mod reach;
+mod rough;
 mod schedule;
 mod setup;
 mod tilt;
 mod toolpath;
 mod trajectory;
 
+pub use block::{Block, BlockError};
 pub use clamps::ClampError;
 pub use contour::{Across, ContourOptions, contours};
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
 pub use fit::{FitError, clear_word, room_beside, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
+pub use rough::{Cut, RoughError, RoughOptions, Roughing};
 pub use schedule::{PassOptions, pass};
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, TABLE_GAP, set_up};
 pub use tilt::{TiltError, TurnLine};

@@ -1,0 +1,170 @@
+//! The raw block a part is roughed from.
+
+use super::setup::Setup;
+use crate::geom::{Aabb, Point3, Pose, TriMesh, Vector3, shapes};
+use crate::machine::Machine;
+use nalgebra::{Translation3, UnitQuaternion};
+
+/// Sides of a round block, laid around it: it is nowhere thinner than the real one.
+const SIDES: usize = 256;
+
+/// What the part is cut from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A round bar about the spindle axis, or upright on a table [mm].
+    Cylinder {
+        /// Of the bar; `None` for the least that holds the part.
+        radius: Option<f64>,
+    },
+    /// A square bar, or a box on the table, this much larger than the part all around [mm].
+    Box {
+        /// Added on every side.
+        margin: f64,
+    },
+    /// Any body, in the frame of the part's file: a moulded block.
+    Mesh(TriMesh),
+}
+
+/// Why a block is none.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BlockError {
+    /// A size that cannot be.
+    #[error("the block's {what} is {value} mm; it must be {must}")]
+    Size {
+        /// `radius` or `margin`.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// The part does not fit into it.
+    #[error(
+        "the part needs a block of radius {needed:.1} mm with the {allowance} mm left on, and this one has \
+         {radius} mm; take a larger one, or centre the part in it"
+    )]
+    Small {
+        /// Radius the part needs [mm].
+        needed: f64,
+        /// Left on the part [mm].
+        allowance: f64,
+        /// Of the block [mm].
+        radius: f64,
+    },
+}
+
+impl Block {
+    /// The block as a surface around the part as it is set up, which keeps `allowance`.
+    ///
+    /// A bar reaches over the part and its clamps; on a table a block stands on it.
+    pub fn around(
+        &self,
+        setup: &Setup,
+        machine: &Machine,
+        allowance: f64,
+    ) -> Result<TriMesh, BlockError> {
+        let is_bar = machine.spindle.is_some();
+        match self {
+            Self::Cylinder { radius } => {
+                let line = machine
+                    .spindle
+                    .map_or_else(|| setup.part.center(), |spindle| machine.axes[spindle].point);
+                let swing = swing(setup, &line, is_bar) + allowance;
+                let radius = radius.unwrap_or(swing.ceil());
+                if !(radius > 0.0 && radius.is_finite()) {
+                    return Err(size("radius", radius, "above 0"));
+                }
+                if radius < swing {
+                    return Err(BlockError::Small { needed: swing, allowance, radius });
+                }
+                Ok(if is_bar {
+                    let [from, to] = setup.stretch;
+                    let to_line = Pose::translation(0.0, line.y, line.z);
+                    shapes::stub(SIDES, radius, from, to).moved(&to_line)
+                } else {
+                    let height = setup.part.max.z + allowance - setup.part.min.z;
+                    upright(
+                        &shapes::stub(SIDES, radius, 0.0, height),
+                        &Point3::new(line.x, line.y, setup.part.min.z),
+                    )
+                })
+            }
+            &Self::Box { margin } => {
+                if !(margin >= allowance && margin.is_finite()) {
+                    return Err(size("margin", margin, "no less than what is left on the part"));
+                }
+                let grow = Vector3::repeat(margin);
+                let mut aabb = Aabb { min: setup.part.min - grow, max: setup.part.max + grow };
+                if is_bar {
+                    [aabb.min.x, aabb.max.x] = setup.stretch;
+                } else {
+                    aabb.min.z = setup.part.min.z;
+                }
+                Ok(shapes::cuboid(&aabb))
+            }
+            Self::Mesh(mesh) => Ok(mesh.clone().moved(&setup.machine_from_file)),
+        }
+    }
+}
+
+fn size(what: &'static str, value: f64, must: &'static str) -> BlockError {
+    BlockError::Size { what, value, must }
+}
+
+/// The greatest distance of the part from the line along X, or upright, through `line`.
+fn swing(setup: &Setup, line: &Point3, is_bar: bool) -> f64 {
+    let far = |p: &Point3| {
+        let out = p - line;
+        if is_bar { out.y.hypot(out.z) } else { out.x.hypot(out.y) }
+    };
+    setup.own_points().map(far).fold(0.0, f64::max)
+}
+
+/// A body about X, stood on `foot`.
+fn upright(body: &TriMesh, foot: &Point3) -> TriMesh {
+    let up = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -std::f64::consts::FRAC_PI_2);
+    body.clone().moved(&Pose::from_parts(Translation3::from(foot.coords), up))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cam::{SetupOptions, set_up};
+    use crate::geom::Surface;
+
+    fn ball_on(machine: &str) -> (Machine, Setup) {
+        let machine = Machine::builtin(machine).unwrap();
+        let ball = Surface::Mesh(shapes::sphere(&Point3::origin(), 30.0, 24));
+        let setup = set_up(ball, &machine, &SetupOptions::default()).unwrap();
+        (machine, setup)
+    }
+
+    #[test]
+    fn a_bar_holds_the_part_and_its_clamps() {
+        let (lathe, setup) = ball_on("last-lathe");
+        let bar = Block::Cylinder { radius: None }.around(&setup, &lathe, 2.0).unwrap().aabb();
+        assert_eq!([bar.min.x, bar.max.x], setup.stretch);
+        assert!((bar.max.y - 33.0).abs() < 1.1, "{}", bar.max.y);
+        let square = Block::Box { margin: 5.0 }.around(&setup, &lathe, 2.0).unwrap().aabb();
+        assert!((square.max.y - 35.0).abs() < 0.3, "{}", square.max.y);
+    }
+
+    #[test]
+    fn on_a_table_a_block_stands_as_high_as_the_part_and_what_is_left_on_it() {
+        let (mill, setup) = ball_on("mill-3axis");
+        for block in [Block::Cylinder { radius: Some(40.0) }, Block::Box { margin: 2.0 }] {
+            let aabb = block.around(&setup, &mill, 2.0).unwrap().aabb();
+            assert!(aabb.min.z.abs() < 1e-9 && (aabb.max.z - setup.part.max.z - 2.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_block_too_small_says_what_the_part_needs() {
+        let (lathe, setup) = ball_on("last-lathe");
+        let small = Block::Cylinder { radius: Some(29.0) };
+        let error = small.around(&setup, &lathe, 1.0).unwrap_err().to_string();
+        assert!(error.starts_with("the part needs a block of radius 3"), "{error}");
+        let thin = Block::Box { margin: 0.5 }.around(&setup, &lathe, 1.0).unwrap_err();
+        assert!(thin.to_string().contains("the block's margin is 0.5 mm"), "{thin}");
+    }
+}
