@@ -137,7 +137,8 @@ fn levels(
     }
     let top = block.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = part.iter().flatten().copied().fold(f64::INFINITY, f64::min).max(options.floor);
-    if !(lowest + LEAST_CUT < top) {
+    let stands_out = lowest + LEAST_CUT < top;
+    if !stands_out {
         return Err(RoughError::Nothing);
     }
     let layers = ((top - lowest) / max_depth).ceil();
@@ -208,7 +209,7 @@ mod tests {
             50.0 + 10.0 * (hill[0] * at).sin() + 6.0 * (hill[1] * at).cos() + (hill[2] * at).sin()
         };
         let part = (0..3000).map(|i| (i % 397 != 3).then(|| height(i))).collect();
-        let block = (0..3000).map(|i| (i % 600 > 80).then_some(63.0 + (i % 7) as f64)).collect();
+        let block = (0..3000).map(|i| (i % 600 > 80).then_some(63.0 + f64::from(i % 7))).collect();
         (part, block)
     }
 
@@ -273,9 +274,9 @@ mod tests {
                 let lead = last
                     .filter(|last| last.layer == cut.layer)
                     .map_or(start, |c| c.positions.end - 1);
-                for i in lead.saturating_sub(60)..(start + 61).min(stock.len()) {
-                    assert!(stock[i].is_none_or(|top| top + 1.999 <= cut.link), "link at {i}");
-                }
+                let near = lead.saturating_sub(60)..(start + 61).min(stock.len());
+                let is_clear = |top: &f64| top + 1.999 <= cut.link;
+                assert!(stock[near].iter().flatten().all(is_clear), "link to {start}");
                 assert!(stock[start].is_none_or(|top| top + 1.999 <= cut.above));
                 assert!(cut.above <= cut.link);
                 for i in cut.positions.clone() {
