@@ -4,6 +4,7 @@ use super::setup::Setup;
 use crate::geom::{Aabb, Point3, Pose, TriMesh, Vector3, shapes};
 use crate::machine::Machine;
 use nalgebra::{Translation3, UnitQuaternion};
+use std::fmt;
 
 /// Sides of a round block, laid around it: it is nowhere thinner than the real one.
 const SIDES: usize = 256;
@@ -103,6 +104,19 @@ impl Block {
                 Ok(shapes::cuboid(&aabb))
             }
             Self::Mesh(mesh) => Ok(mesh.clone().moved(&setup.machine_from_file)),
+        }
+    }
+}
+
+impl fmt::Display for Block {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cylinder { radius: None } => f.write_str("the least cylinder"),
+            Self::Cylinder { radius: Some(radius) } => {
+                write!(f, "a cylinder of radius {radius} mm")
+            }
+            Self::Box { margin } => write!(f, "a box {margin} mm larger all around"),
+            Self::Mesh(mesh) => write!(f, "a body of {} triangles", mesh.triangles.len()),
         }
     }
 }

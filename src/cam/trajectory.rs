@@ -204,6 +204,11 @@ impl<'a> Trajectory<'a> {
         values
     }
 
+    /// The machine it runs on.
+    pub fn machine(&self) -> &'a Machine {
+        self.machine
+    }
+
     /// How it runs over the part.
     pub fn strategy(&self) -> Strategy {
         self.strategy

@@ -28,6 +28,7 @@ mod page;
 mod parts;
 mod programs;
 mod random_cases;
+mod roughing;
 mod rs274;
 mod shapes;
 mod small_machines;

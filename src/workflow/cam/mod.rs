@@ -5,9 +5,11 @@ mod options;
 mod plan;
 mod program;
 mod report;
+mod rough;
 mod spacing;
 
 pub use options::{CamOptions, Mode, OffPart, OptionsError};
 pub use plan::{CamError, Job, Plan, Scene, plan};
-pub use report::{CamReport, PartReport, RunReport, SetupReport};
+pub use report::{CamReport, PartReport, RoughReport, RunReport, SetupReport};
+pub use rough::rough;
 pub use spacing::SpacingError;

@@ -6,9 +6,9 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
-    Contact, ContourOptions, Digitizer, FitError, Part, PassOptions, Setup, SetupError, Spacing,
-    Stand, Strategy, Trajectory, TrajectoryError, TurnLine, clear_word, contours, pass, reach,
-    room_beside, run_along, set_up, within,
+    BlockError, Contact, ContourOptions, Digitizer, FitError, Part, PassOptions, RoughError, Setup,
+    SetupError, Spacing, Stand, Strategy, Trajectory, TrajectoryError, TurnLine, clear_word,
+    contours, pass, reach, room_beside, run_along, set_up, within,
 };
 use crate::gcode::{self, Dialect, PostError};
 use crate::geom::{Point3, Surface};
@@ -101,6 +101,12 @@ pub enum CamError {
     /// Contours were asked for around a part without triangles.
     #[error("strategy contour needs triangles to find the outline, and the part has points alone")]
     NoOutline,
+    /// It cannot be roughed.
+    #[error(transparent)]
+    Rough(#[from] RoughError),
+    /// The block is none.
+    #[error(transparent)]
+    Block(#[from] BlockError),
     /// The program read back is not the path it was made from: our fault.
     #[error("the program read back leaves the path at move {i_move}: this is a bug in horma")]
     ReadBack {
@@ -126,10 +132,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     let part = prepared(&setup.surface);
     let digitizer = Digitizer { part: &part, cutter, method: options.method.unwrap_or_default() };
     let spacing = spacing::spacing(&run, &digitizer, &tool.profile, options, progress)?;
-    let way = match run.strategy {
-        Strategy::Contour => contour_way(&setup, &run, spacing)?,
-        strategy => Trajectory::new(machine, strategy, run.along, spacing, &stand.rest)?,
-    };
+    let way = way_of(&setup, &run, spacing)?;
     within_travel(machine, &way)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
     let mut contacts = digitizer.run(way.n_positions(), pose, progress)?;
@@ -173,6 +176,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         tool: [tool.name.clone(), tool.profile.to_string()],
         setup: SetupReport::new(&setup, options),
         run: run_report,
+        rough: None,
         reach,
         stock,
         program: written.check,
@@ -191,12 +195,12 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     Ok(Plan { text: written.text, report, scene })
 }
 
-fn pace(tool: &Tool, options: &CamOptions, clear: f64) -> PassOptions {
+pub(super) fn pace(tool: &Tool, options: &CamOptions, clear: f64) -> PassOptions {
     let cut = options.feed.map_or(tool.feed, |feed| feed / 60.0);
     PassOptions { clear, cut, plunge: tool.plunge_feed.min(cut) }
 }
 
-fn in_mode(surface: Surface, mode: Option<Mode>) -> Result<Surface, CamError> {
+pub(super) fn in_mode(surface: Surface, mode: Option<Mode>) -> Result<Surface, CamError> {
     match mode {
         Some(Mode::Points) => Ok(Surface::Points(surface.into_points())),
         Some(Mode::Triangles) => {
@@ -209,7 +213,7 @@ fn in_mode(surface: Surface, mode: Option<Mode>) -> Result<Surface, CamError> {
     }
 }
 
-fn prepared(surface: &Surface) -> Part {
+pub(super) fn prepared(surface: &Surface) -> Part {
     match surface {
         Surface::Mesh(mesh) => Part::triangles(mesh),
         Surface::Points(cloud) => Part::points(cloud),
@@ -218,7 +222,7 @@ fn prepared(surface: &Surface) -> Part {
 }
 
 /// The words of all axes at rest, some of them held elsewhere by the user.
-fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
+pub(super) fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
     let mut rest = machine.at_rest();
     for text in hold {
         let bad = || OptionsError::Hold { text: text.clone(), machine: machine.name.clone() };
@@ -238,7 +242,7 @@ fn held(machine: &Machine, hold: &[String]) -> Result<AxisValues, CamError> {
 
 /// Where the run goes: by default around a part on a spindle, over one on a table; and so far
 /// beyond its ends that it cuts them whole, or as far as the clamps leave room.
-fn run_of<'a>(
+pub(super) fn run_of<'a>(
     setup: &mut Setup,
     stand: Stand<'a>,
     options: &CamOptions,
@@ -283,6 +287,19 @@ fn on_tilted_table<'a>(
     Ok(Run { stand, strategy, along, stations: along, line: Some(line) })
 }
 
+/// The trajectory of a run.
+pub(super) fn way_of<'a>(
+    setup: &Setup,
+    run: &Run<'a>,
+    spacing: Spacing,
+) -> Result<Trajectory<'a>, CamError> {
+    let Stand { machine, rest } = run.stand;
+    match run.strategy {
+        Strategy::Contour => contour_way(setup, run, spacing),
+        strategy => Ok(Trajectory::new(machine, strategy, run.along, spacing, &rest)?),
+    }
+}
+
 /// The run along the contours of the part as it stands.
 fn contour_way<'a>(
     setup: &Setup,
@@ -317,7 +334,7 @@ fn stay_over_part(contacts: &mut [Option<Contact>], n_own: usize) {
 }
 
 /// Refuses a trajectory that leaves an axis' travel, before it is digitized.
-fn within_travel(machine: &Machine, way: &Trajectory) -> Result<(), FitError> {
+pub(super) fn within_travel(machine: &Machine, way: &Trajectory) -> Result<(), FitError> {
     let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; MAX_AXES];
     for words in (0..way.n_positions()).map(|i| machine.with_followers(&way.values(i))) {
         for (range, word) in range.iter_mut().zip(words) {
@@ -348,7 +365,7 @@ fn over_part(setup: &Setup, stand: &Stand, beyond: [f64; 2]) -> [[f64; 2]; 2] {
 
 /// How deep a nose may go into uncut material where nobody says otherwise [mm]: a wheel or ball by
 /// its radius, other mills by half of theirs.
-fn depth_of_cut(profile: &Profile) -> f64 {
+pub(super) fn depth_of_cut(profile: &Profile) -> f64 {
     match *profile {
         Profile::Wheel { minor_radius, .. } => minor_radius,
         Profile::Ball { radius } => radius,

@@ -23,7 +23,10 @@ pub struct CamReport {
     pub setup: SetupReport,
     /// How the tool runs over it.
     pub run: RunReport,
-    /// What of the part the tool can reach; absent for a cloud.
+    /// How a block was roughed; absent for a finishing program.
+    pub rough: Option<RoughReport>,
+    /// What of the part the tool can reach; absent for a cloud, and where the table is tilted or a
+    /// block is roughed.
     pub reach: Option<ReachReport>,
     /// Material the first cut may meet above the finished surface [mm].
     pub stock: f64,
@@ -69,6 +72,22 @@ pub struct SetupReport {
     pub loose: Vec<&'static str>,
     /// Rows of the matrix `machine_from_file`, after mirroring.
     pub machine_from_file: [[f64; 4]; 3],
+}
+
+/// From the block down to the part and its allowance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct RoughReport {
+    /// What it is cut from.
+    pub block: String,
+    /// The most the tool takes at once, along the attack axis [mm].
+    pub max_depth: f64,
+    /// Layers.
+    pub n_layers: usize,
+    /// Cuts, with a link before each.
+    pub n_cuts: usize,
+    /// Positions of all cuts.
+    pub n_positions: usize,
 }
 
 /// How the tool runs over the part, and what came of it.
@@ -174,10 +193,12 @@ impl CamReport {
     /// Adds what the user should know before pressing start.
     pub(super) fn warn(&mut self) {
         let mut say = |text: String| self.warnings.push(text);
-        say(format!(
-            "the program assumes at most {:.1} mm of stock on the part: rough it first",
-            self.stock
-        ));
+        if self.rough.is_none() {
+            say(format!(
+                "the program assumes at most {:.1} mm of stock on the part: rough it first",
+                self.stock
+            ));
+        }
         if self.part.mode == "points" {
             say("digitized on points alone, as in the thesis: between points the tool may cut into \
                  the part; give triangles to be exact"

@@ -9,8 +9,9 @@ use horma::geom::LengthUnit;
 use horma::io::report::{cam_page, cam_summary, html};
 use horma::io::{self, JobFile, OutputSet, Overwrite, Reading};
 use horma::machine::Machine;
+use horma::progress::Progress;
 use horma::tool::Tool;
-use horma::workflow::cam::{CamOptions, Job, Plan, plan};
+use horma::workflow::cam::{CamError, CamOptions, Job, Plan, plan};
 use std::path::{Path, PathBuf};
 
 /// Compute the program that cuts a part, and a report beside it.
@@ -51,6 +52,15 @@ pub(crate) struct CamArgs {
 
 /// Plans the cut and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
+    run_with(args, shell, plan)
+}
+
+/// Makes a plan of what the arguments ask for, and writes it.
+pub(crate) fn run_with(
+    args: &CamArgs,
+    shell: &Shell,
+    plan: impl FnOnce(Job, &dyn Progress) -> Result<Plan, CamError>,
+) -> anyhow::Result<()> {
     let job = args.job.as_deref().map(io::read_job).transpose()?.unwrap_or_default();
     let part = given(
         args.part.as_ref(),

@@ -8,6 +8,7 @@ mod info;
 mod last;
 mod machine;
 mod restart;
+mod rough;
 mod shell;
 mod table;
 mod tool;
@@ -50,6 +51,7 @@ const EXIT_CODES: &str = "Exit codes:
 enum Command {
     Demo(demo::DemoArgs),
     Cam(Box<cam::CamArgs>),
+    Rough(Box<rough::RoughArgs>),
     /// Say what a part file holds: format, units, size, and whether its surface is whole.
     Info(info::InfoArgs),
     /// Convert a part from one format to another.
@@ -76,6 +78,7 @@ impl Cli {
         match &self.command {
             Command::Demo(args) => demo::run(args, &self.shell),
             Command::Cam(args) => cam::run(args, &self.shell),
+            Command::Rough(args) => rough::run(args, &self.shell),
             Command::Check(args) => check::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),

@@ -4,13 +4,14 @@ use super::super::{Block, Table};
 use super::words::{clock, count, fine, pitch, range, reached, strategy, tool};
 use crate::cam::{ReachReport, Strategy};
 use crate::gcode::CheckReport;
-use crate::workflow::cam::{CamReport, RunReport};
+use crate::workflow::cam::CamReport;
 
 /// A broken program can have a violation per line; the page lists this many.
 const MOST_VIOLATIONS: usize = 50;
 
 /// How the tool runs.
-pub(super) fn run(run: &RunReport) -> Block {
+pub(super) fn run(report: &CamReport) -> Vec<Block> {
+    let run = &report.run;
     let mut facts =
         vec![fact("Strategy", strategy(run.strategy)), fact("Positions", count(run.n_positions))];
     facts.push(match run.strategy {
@@ -42,7 +43,14 @@ pub(super) fn run(run: &RunReport) -> Block {
             n_missed => format!("{}; {}", count(n_missed), run.off_part),
         },
     ));
-    Block::Facts(facts)
+    if let Some(rough) = &report.rough {
+        facts.push(fact("Roughed from", rough.block.clone()));
+        facts.push(fact("Layers", rough.n_layers));
+        facts.push(fact("Deepest cut", format!("{} mm", fine(rough.max_depth))));
+        facts.push(fact("Cuts", format!("{}, a link before each", count(rough.n_cuts))));
+        facts.push(fact("Positions of all cuts", count(rough.n_positions)));
+    }
+    vec![Block::Facts(facts)]
 }
 
 /// What the tool can touch, by area.

@@ -22,7 +22,7 @@ pub fn cam_page(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::Resu
         sections.push(section("Part and path", views::blocks(scene, report)?));
     }
     sections.push(section("Reach and travel", reach_and_travel(report, scene)?));
-    sections.push(section("Run", vec![facts::run(&report.run)]));
+    sections.push(section("Run", facts::run(report)));
     sections.push(section("Program", facts::program(&report.program)));
     sections.push(section("Setup", facts::setup(report)));
     sections.push(section("Machine, tool and part", facts::what(report)));
@@ -93,6 +93,9 @@ fn reach_and_travel(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::
         None if report.part.mode == "points" => Block::Text(
             "Points alone have no area, so what the tool can reach of them is not known.".into(),
         ),
+        None if report.rough.is_some() => {
+            Block::Text("What the tool can reach is mapped with the finishing program.".into())
+        }
         None => {
             Block::Text("What the tool cannot reach around a tilted table is not mapped.".into())
         }

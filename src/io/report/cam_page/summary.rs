@@ -3,7 +3,7 @@
 use super::words::{clock, count, fine, pitch, range, reached_percent, strategy, tool};
 use crate::cam::{ReachReport, Strategy};
 use crate::gcode::AxisBounds;
-use crate::workflow::cam::{CamReport, RunReport};
+use crate::workflow::cam::{CamReport, RoughReport, RunReport};
 use std::fmt::Write as _;
 
 /// What `horma cam` tells people: names left, values right, warnings last, where the eye is.
@@ -26,6 +26,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     let mirrored = if setup.mirrored { ", mirrored" } else { "" };
     lines.add("setup", format!("X {} mm{spindle}{mirrored}", range(setup.part_x)));
     lines.add("run", run(&report.run));
+    if let Some(rough) = &report.rough {
+        lines.add("rough", self::rough(rough));
+    }
     if let Some(reach) = &report.reach {
         lines.add("reach", self::reach(reach));
     }
@@ -47,6 +50,17 @@ pub fn cam_summary(report: &CamReport) -> String {
         lines.add("violations", format!("{n}, the first in line {}: {}", first.line, first.kind));
     }
     lines.0
+}
+
+fn rough(rough: &RoughReport) -> String {
+    format!(
+        "from {}: {} layers of at most {} mm, {} cuts, {} positions",
+        rough.block,
+        rough.n_layers,
+        fine(rough.max_depth),
+        count(rough.n_cuts),
+        count(rough.n_positions)
+    )
 }
 
 fn run(run: &RunReport) -> String {

@@ -1,0 +1,63 @@
+//! `horma rough`: from a block to the part and its allowance.
+
+use super::Shell;
+use super::cam::{CamArgs, run_with};
+use crate::exit::Usage;
+use anyhow::Context;
+use clap::Args;
+use horma::cam::Block;
+use horma::io;
+use horma::workflow::cam::rough;
+use std::path::Path;
+
+/// Added around a box where nothing is said [mm].
+const MARGIN: f64 = 2.0;
+
+/// Compute the program that roughs a part out of its block, layer by layer.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Leaves --allowance (1 mm) for finishing; the tool goes only where stock is.
+
+For example:
+  horma rough last.stl -m last-lathe --block cylinder:60 --max-depth 6 -o rough.ngc
+  horma cam   last.stl -m last-lathe -o finish.ngc"
+)]
+pub(crate) struct RoughArgs {
+    #[command(flatten)]
+    cam: CamArgs,
+    /// What the part is cut from: cylinder or cylinder:RADIUS, box or box:MARGIN, or the file of a
+    /// moulded block that lies about the part as the part's file has it.
+    #[arg(long, value_name = "BLOCK", default_value = "cylinder")]
+    block: String,
+    /// What the tool may take at once [mm; default: what its nose takes].
+    #[arg(long, value_name = "MM")]
+    max_depth: Option<f64>,
+}
+
+/// Plans the roughing and writes the program and its reports: all of them, or none.
+pub(crate) fn run(args: &RoughArgs, shell: &Shell) -> anyhow::Result<()> {
+    let block = block(&args.block)?;
+    run_with(&args.cam, shell, |job, progress| rough(job, &block, args.max_depth, progress))
+}
+
+fn block(text: &str) -> anyhow::Result<Block> {
+    let (shape, size) = text.split_once(':').unwrap_or((text, ""));
+    let size = || match size {
+        "" => Ok(None),
+        _ => size
+            .parse()
+            .map(Some)
+            .map_err(|_| Usage(format!("--block {text}: {size:?} is no number"))),
+    };
+    Ok(match shape {
+        "cylinder" => Block::Cylinder { radius: size()? },
+        "box" => Block::Box { margin: size()?.unwrap_or(MARGIN) },
+        _ => {
+            let reading = io::read_surface(Path::new(text), None).with_context(|| {
+                format!("--block {text} is neither cylinder, cylinder:60, box, box:5 nor a file")
+            })?;
+            let mesh = reading.surface.into_mesh();
+            Block::Mesh(mesh.with_context(|| format!("the block {text} has no triangles"))?)
+        }
+    })
+}
