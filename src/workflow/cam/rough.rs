@@ -10,8 +10,8 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RoughReport, RunReport, SetupReport};
 use super::spacing;
 use crate::cam::{
-    Block, Contact, Cut, Digitizer, FitError, Move, Pace, Part, PassOptions, RoughOptions,
-    Roughing, Stand, Toolpath, Trajectory, clear_word, pass, set_up, within,
+    Block, Contact, Cut, Digitizer, Move, Pace, Part, PassOptions, RoughOptions, Roughing, Stand,
+    Toolpath, Trajectory, clear_word, pass, set_up, within,
 };
 use crate::gcode;
 use crate::geom::Point3;
@@ -74,8 +74,7 @@ pub fn rough(
     let over_block = on_block.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     let clear = attack.motion(over_part).max(over_block + machine.clearance);
     let clear = attack.word(clear);
-    within(machine, attack, clear, "take a smaller block or a larger machine")
-        .map_err(FitError::from)?;
+    within(machine, attack, clear, "take a smaller block or a larger machine")?;
 
     let cutting = Cutting {
         way: &way,
