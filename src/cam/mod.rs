@@ -13,7 +13,10 @@ pub use clamps::ClampError;
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
 pub use fit::{FitError, clear_word, room_beside, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
-pub use schedule::{PassOptions, pass};
+pub use schedule::{
+    Cause, Drive, FeedReport, Limit, Motion, Pass, PassOptions, Slowdowns, Slowed, Spot, Timing,
+    drives, pass, time_motion,
+};
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, set_up};
 pub use toolpath::{Move, Pace, Toolpath};
 pub use trajectory::{Spacing, Strategy, Trajectory, TrajectoryError};

@@ -28,6 +28,7 @@ mod parts;
 mod programs;
 mod random_cases;
 mod rs274;
+mod schedule;
 mod shapes;
 mod small_machines;
 mod source;
