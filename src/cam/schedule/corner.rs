@@ -9,7 +9,7 @@
 
 use super::Drive;
 use super::leg::Leg;
-use crate::machine::MAX_AXES;
+use crate::machine::{AxisValues, MAX_AXES};
 
 /// At top speed the turn takes this share of an axis' acceleration; rounding a corner more than
 /// that gains nothing, and leaves less room to speed up in.
@@ -18,21 +18,15 @@ const GENTLE: f64 = 0.125;
 /// Parabolas shorter than this part of a move are none: the moves go on in one line.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// A rounded corner.
-///
-/// With `x` the square of the speed along the path, `a` where the corner begins and `b` where it
-/// ends, the acceleration of each axis is linear in x at both ends:
-/// `q1 (x_b - x_a) / 2w + (q2 - q1) / w x_a` and `q2 (x_b - x_a) / 2w + (q2 - q1) / w x_b`, where q1
-/// and q2 are the directions and w the length. Between the ends it is in between.
+/// A rounded corner: two bends that meet where the moves do, since each has its own top speed.
 #[derive(Debug)]
 pub(super) struct Corner {
     /// Length of it that lies on the first move [s].
     pub(super) before: f64,
     /// Length of it that lies on the second move [s].
     pub(super) after: f64,
-    /// `|row . (x_a, x_b)| <= 1`, two for each axis.
-    rows: [[f64; 2]; 2 * MAX_AXES],
-    n_rows: usize,
+    /// `None` where the moves go on in one line.
+    bends: Option<[Bend; 2]>,
 }
 
 impl Corner {
@@ -40,29 +34,80 @@ impl Corner {
     pub(super) fn new(first: &Leg, second: &Leg, drives: &[Drive]) -> Self {
         let half = half_width(first, second, drives);
         let (before, after) = (half.min(0.5 * first.length), half.min(0.5 * second.length));
-        let n_rows = 2 * drives.len().min(MAX_AXES);
-        let mut corner = Self { before, after, rows: [[0.0; 2]; 2 * MAX_AXES], n_rows };
         let width = before + after;
         if width <= NEGLIGIBLE * first.length.min(second.length) {
-            return Self { before: 0.0, after: 0.0, n_rows: 0, ..corner };
+            return Self { before: 0.0, after: 0.0, bends: None };
         }
-        let directions = first.direction.iter().zip(&second.direction);
-        for ((q1, q2), (drive, rows)) in
-            directions.zip(drives.iter().zip(corner.rows.chunks_exact_mut(2)))
-        {
+        let mut middle = first.direction;
+        for (at, to) in middle.iter_mut().zip(&second.direction) {
+            *at += (to - *at) * (before / width);
+        }
+        let bends = [
+            Bend::new([&first.direction, &middle], before, drives),
+            Bend::new([&middle, &second.direction], after, drives),
+        ];
+        Self { before, after, bends: Some(bends) }
+    }
+
+    /// The greatest squares of speed where it begins and in its middle from which one up to
+    /// `most_after` can be had at its end; `tops` are those of its moves.
+    pub(super) fn most_before(&self, tops: [f64; 2], most_after: f64) -> [f64; 2] {
+        let Some([first, second]) = &self.bends else { return [tops[0].min(most_after); 2] };
+        let middle = second.most_before(tops[0].min(tops[1]), most_after);
+        [first.most_before(tops[0], middle), middle]
+    }
+
+    /// The greatest squares of speed in its middle and at its end, each up to its bound, after
+    /// `enter`.
+    pub(super) fn most_after(&self, enter: f64, [middle, after]: [f64; 2]) -> [f64; 2] {
+        let Some([first, second]) = &self.bends else { return [enter.min(after); 2] };
+        let middle = first.most_after(enter, middle);
+        [middle, second.most_after(middle, after)]
+    }
+
+    /// Times on the first and on the second move.
+    pub(super) fn seconds(&self, squares: [f64; 3]) -> [f64; 2] {
+        let [from, at, to] = squares.map(f64::sqrt);
+        let time = |way: f64, speeds: f64| if way > 0.0 { 2.0 * way / speeds } else { 0.0 };
+        [time(self.before, from + at), time(self.after, at + to)]
+    }
+
+    /// The share of its acceleration that the axis uses which works hardest, and which it is.
+    pub(super) fn hardest(&self, [enter, middle, leave]: [f64; 3]) -> (f64, usize) {
+        let Some([first, second]) = &self.bends else { return (0.0, 0) };
+        let (one, other) = (first.hardest(enter, middle), second.hardest(middle, leave));
+        if other.0 > one.0 { other } else { one }
+    }
+}
+
+/// A piece on which the direction changes evenly and the acceleration along the path is one.
+///
+/// With `x` the square of the speed along the path, `a` where the piece begins and `b` where it
+/// ends, the acceleration of each axis is linear in x at both ends:
+/// `q1 (x_b - x_a) / 2w + (q2 - q1) / w x_a` and `q2 (x_b - x_a) / 2w + (q2 - q1) / w x_b`, where q1
+/// and q2 are the directions and w the length. Between the ends it is in between.
+#[derive(Debug)]
+struct Bend {
+    /// `|row . (x_a, x_b)| <= 1`, two for each axis.
+    rows: [[f64; 2]; 2 * MAX_AXES],
+    n_rows: usize,
+}
+
+impl Bend {
+    fn new([from, to]: [&AxisValues; 2], width: f64, drives: &[Drive]) -> Self {
+        let mut rows = [[0.0; 2]; 2 * MAX_AXES];
+        let pairs = rows.chunks_exact_mut(2).zip(from.iter().zip(to));
+        for ((rows, (q1, q2)), drive) in pairs.zip(drives) {
             let scale = 1.0 / (2.0 * width * drive.acceleration);
             rows[0] = [(2.0 * q2 - 3.0 * q1) * scale, q1 * scale];
             rows[1] = [-q2 * scale, (3.0 * q2 - 2.0 * q1) * scale];
         }
-        corner
+        Self { rows, n_rows: 2 * drives.len().min(MAX_AXES) }
     }
 
     /// The greatest `x_a`, up to `most`, from which some `x_b` up to `most_after` can be had: a
     /// linear program in two variables, one half-plane after another (Seidel 1991).
-    pub(super) fn most_before(&self, most: f64, most_after: f64) -> f64 {
-        if self.n_rows == 0 {
-            return most.min(most_after);
-        }
+    fn most_before(&self, most: f64, most_after: f64) -> f64 {
         let (mut before, mut after) = (most, most_after);
         for (i, row) in self.rows().iter().enumerate() {
             let value = row[0] * before + row[1] * after;
@@ -85,26 +130,11 @@ impl Corner {
     }
 
     /// The greatest `x_b`, up to `most`, after `before`.
-    pub(super) fn most_after(&self, before: f64, most: f64) -> f64 {
-        if self.n_rows == 0 {
-            return before.min(most);
-        }
+    fn most_after(&self, before: f64, most: f64) -> f64 {
         self.most_after_by(self.n_rows, before, most)
     }
 
-    /// Times on the first and on the second move.
-    pub(super) fn seconds(&self, enter: f64, leave: f64) -> [f64; 2] {
-        let width = self.before + self.after;
-        if width <= 0.0 {
-            return [0.0; 2];
-        }
-        let corner = enter + (leave - enter) * (self.before / width);
-        let [from, at, to] = [enter, corner, leave].map(f64::sqrt);
-        [2.0 * self.before / (from + at), 2.0 * self.after / (at + to)]
-    }
-
-    /// The axis that works hardest, and the share of its acceleration it uses.
-    pub(super) fn hardest(&self, enter: f64, leave: f64) -> (f64, usize) {
+    fn hardest(&self, enter: f64, leave: f64) -> (f64, usize) {
         let used = self.rows().iter().map(|row| (row[0] * enter + row[1] * leave).abs());
         let most = |most: (f64, usize), (i, used): (usize, f64)| {
             if used > most.0 { (used, i / 2) } else { most }

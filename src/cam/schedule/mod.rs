@@ -20,6 +20,10 @@ pub use drive::{Drive, drives};
 pub use planner::{Limit, Motion, Timing, time_motion};
 pub use slowed::{Cause, Slowdowns, Slowed, Spot};
 
+/// On a mesh the contact leaps from edge to edge and stands in between; an axis that followed would
+/// only jerk. Its way counts as the mean over so many moves before and after.
+const MEAN_OVER: usize = 4;
+
 /// How fast a pass goes, and where it is out of the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassOptions {
@@ -83,12 +87,13 @@ pub fn pass(
     for i in 1..n_positions {
         let (next, touches) = position(i);
         asked.take([&words, &next], [touched, touches]);
-        path.moves.push(Move { to: next, pace: Pace::Duration(asked.least[i - 1]) });
+        path.moves.push(Move { to: next, pace: Pace::Duration(1.0 / machine.blocks_per_second) });
         (words, touched) = (next, touches);
         if i % 4096 == 0 {
             progress.advance(4096)?;
         }
     }
+    asked.even_out();
     let timings = asked.timings();
     for (step, timing) in path.moves[2..].iter_mut().zip(&timings) {
         // A move that goes nowhere keeps the time of its block.
@@ -107,23 +112,18 @@ struct Asked<'a> {
     options: PassOptions,
     /// How long the feed alone would take [s].
     fed: Vec<f64>,
-    /// And no shorter than the control can read a block [s].
-    least: Vec<f64>,
     ways: Vec<f64>,
 }
 
 impl<'a> Asked<'a> {
     fn new(machine: &'a Machine, options: PassOptions) -> Self {
-        Self { machine, options, fed: Vec::new(), least: Vec::new(), ways: Vec::new() }
+        Self { machine, options, fed: Vec::new(), ways: Vec::new() }
     }
 
     fn take(&mut self, words: [&AxisValues; 2], touched: [Option<Point3>; 2]) {
-        let fed = self.fed_time(words, touched);
-        self.fed.push(fed);
-        self.least.push(fed.max(1.0 / self.machine.blocks_per_second));
+        self.fed.push(self.fed_time(words, touched));
         let [from, to] = words.map(|words| self.machine.with_followers(words));
-        let n_axes = self.machine.axes.len().min(MAX_AXES);
-        self.ways.extend((0..n_axes).map(|i| to[i] - from[i]));
+        self.ways.extend((0..self.n_axes()).map(|i| to[i] - from[i]));
     }
 
     fn fed_time(&self, [from, to]: [&AxisValues; 2], touched: [Option<Point3>; 2]) -> f64 {
@@ -138,11 +138,42 @@ impl<'a> Asked<'a> {
         way / self.options.cut
     }
 
+    /// Shares the times of neighbouring moves out between them, by how far the part is turned and
+    /// the tool carried on in each.
+    fn even_out(&mut self) {
+        if self.options.rotation.is_some() {
+            return;
+        }
+        let driven: Vec<f64> =
+            self.ways.chunks_exact(self.n_axes()).map(|ways| self.driven(ways)).collect();
+        let evened = (0..self.fed.len()).map(|i| {
+            let around = i.saturating_sub(MEAN_OVER)..(i + MEAN_OVER + 1).min(self.fed.len());
+            let [fed, whole] =
+                [&self.fed, &driven].map(|all| all[around.clone()].iter().sum::<f64>());
+            // Where only the attack axis moves the contact's own way is all there is.
+            if whole > 0.0 && driven[i] > 0.0 { fed * driven[i] / whole } else { self.fed[i] }
+        });
+        self.fed = evened.collect();
+    }
+
+    /// How long the axes but the attack need for a move at their greatest speeds [s].
+    fn driven(&self, ways: &[f64]) -> f64 {
+        let axes = self.machine.axes.iter().zip(ways).enumerate();
+        let driven = axes.filter(|(i, _)| *i != self.machine.attack);
+        driven.map(|(_, (axis, way))| way.abs() / axis.velocity).fold(0.0, f64::max)
+    }
+
+    fn n_axes(&self) -> usize {
+        self.machine.axes.len().min(MAX_AXES)
+    }
+
     fn timings(&self) -> Vec<Timing> {
+        let shortest = 1.0 / self.machine.blocks_per_second;
+        let least: Vec<f64> = self.fed.iter().map(|fed| fed.max(shortest)).collect();
         time_motion(&Motion {
             drives: &drives(self.machine),
             ways: &self.ways,
-            least: &self.least,
+            least: &least,
             look_ahead: self.machine.look_ahead_blocks,
         })
     }
@@ -201,26 +232,42 @@ mod tests {
     #[test]
     fn a_move_is_as_slow_as_its_slowest_axis_and_its_contact_need() {
         let machine = nimble();
-        let [x, a] = [machine.axes[0].velocity, machine.axes[2].velocity];
-        let words =
-            [[0.0, 80.0, 0.0], [0.0, 80.0, a], [x / 2.0, 80.0, a], [x / 2.0, 80.0, 1.001 * a]];
+        let [vx, va] = [machine.axes[0].velocity, machine.axes[2].velocity];
+        // Thirty times each: A alone, X half as far as it could in a second, the contact alone.
+        let n = |i: usize, from: usize| i.saturating_sub(from).min(30) as f64;
         let at = |i: usize| {
-            let [x, y, a] = words[i];
-            let touched = Point3::new(if i == 3 { 50.0 } else { 0.0 }, 0.0, 0.0);
-            ([x, y, a, 0.0, 0.0, 0.0], Some(touched))
+            let (a, x, touched) = (n(i, 0) * va, n(i, 30) * vx / 2.0, n(i, 60));
+            let words = [x, 80.0, a + 0.001 * touched, 0.0, 0.0, 0.0];
+            (words, Some(Point3::new(50.0 * touched, 0.0, 0.0)))
         };
-        let pass = pass(&machine, 4, at, OPTIONS, &Silent).unwrap();
+        let pass = pass(&machine, 91, at, OPTIONS, &Silent).unwrap();
         let paces: Vec<Pace> = pass.path.moves.iter().map(|step| step.pace).collect();
         assert_eq!(paces[..2], [Pace::Rapid, Pace::Feed(5.0)]);
-        for (seconds, expected) in durations(&pass).into_iter().zip([1.0, 0.5, 2.0]) {
-            assert!((seconds - expected).abs() < 1e-12, "{seconds} s, not {expected}");
+        let durations = durations(&pass);
+        for (i, expected) in [(15, 1.0), (45, 0.5), (75, 2.0)] {
+            let seconds = durations[i];
+            assert!((seconds - expected).abs() < 1e-9, "move {i}: {seconds} s, not {expected}");
         }
-        assert_eq!(pass.path.moves[5].to[1], 200.0);
-        // Only the last holds its feed.
+        assert_eq!(pass.path.moves[92].to[1], 200.0);
+        // Only the contact's feed is held.
         let causes: Vec<_> = pass.feed.slowed.iter().map(|slowed| slowed.cause).collect();
-        assert_eq!(causes, [Cause::Velocity { axis: 'A' }, Cause::Velocity { axis: 'X' }]);
-        assert_eq!(pass.feed.asked, 2.0);
-        assert!((pass.feed.taken - 3.5).abs() < 1e-3, "{}", pass.feed.taken);
+        assert_eq!(causes[..2], [Cause::Velocity { axis: 'A' }, Cause::Velocity { axis: 'X' }]);
+        assert!((pass.feed.asked - 60.0).abs() < 10.0 && pass.feed.asked < pass.feed.taken);
+    }
+
+    #[test]
+    fn a_contact_that_leaps_from_edge_to_edge_gives_an_even_pace() {
+        // Three moves of standing, one of 4 mm: 1 mm a move, 40 ms at 25 mm/s.
+        let at = |i: usize| {
+            let words = [0.0, 80.0, 0.01 * i as f64, 0.0, 0.0, 0.0];
+            (words, Some(Point3::new(4.0 * (i / 4) as f64, 0.0, 0.0)))
+        };
+        let pass = pass(&nimble(), 200, at, OPTIONS, &Silent).unwrap();
+        for seconds in &durations(&pass)[10..190] {
+            // Nine moves have two leaps or three.
+            assert!((8.0 / 9.0 * 0.04 - 1e-9..=12.0 / 9.0 * 0.04 + 1e-9).contains(seconds));
+        }
+        assert!((pass.feed.asked - 49.0 * 0.16).abs() < 0.2, "{}", pass.feed.asked);
     }
 
     #[test]

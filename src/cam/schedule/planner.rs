@@ -73,8 +73,9 @@ struct Planner<'a> {
     moving: Vec<usize>,
 }
 
-/// Greatest squares of speed where the straight part of a move begins and where it ends.
-type Ends = [f64; 2];
+/// Greatest squares of speed where the straight part of a move begins, where it ends, and in the
+/// middle of the corner behind that.
+type Ends = [f64; 3];
 
 impl<'a> Planner<'a> {
     fn new(motion: &'a Motion<'a>) -> Self {
@@ -97,7 +98,7 @@ impl<'a> Planner<'a> {
 
     /// How fast each move may be run and still be slowed down in time.
     fn backwards(&self) -> Vec<Ends> {
-        let mut most = vec![[0.0; 2]; self.moving.len()];
+        let mut most = vec![[0.0; 3]; self.moving.len()];
         self.slow_down(0, self.moving.len(), |i, ends| {
             most[i] = ends;
             true
@@ -114,6 +115,7 @@ impl<'a> Planner<'a> {
         if end < self.moving.len() {
             before = Corner::new(&leg, &self.leg(end), drives).before;
         }
+        let mut corner_most = 0.0;
         let mut out = leg.top.min(2.0 * leg.reach * before);
         for i in (start..end).rev() {
             let ahead = i.checked_sub(1).map(|i| self.leg(i));
@@ -121,8 +123,9 @@ impl<'a> Planner<'a> {
             let after = corner.as_ref().map_or(0.0, |(corner, _)| corner.after);
             let straight = (leg.length - after - before).max(0.0);
             let enter = leg.top.min(out + 2.0 * leg.reach * straight);
-            let (true, Some((corner, ahead))) = (take(i, [enter, out]), corner) else { return };
-            out = corner.most_before(ahead.top, enter);
+            let goes_on = take(i, [enter, out, corner_most]);
+            let (true, Some((corner, ahead))) = (goes_on, corner) else { return };
+            [out, corner_most] = corner.most_before([ahead.top, leg.top], enter);
             (before, leg) = (corner.before, ahead);
         }
     }
@@ -160,9 +163,10 @@ impl<'a> Planner<'a> {
         let drives = self.motion.drives;
         let mut leg = self.leg(0);
         let mut enter = 0.0;
-        // Length and time on this move of the corner behind, and who worked hardest there.
-        let (mut after, mut since, mut worked) = (0.0, 0.0, (0.0, leg.weakest));
-        for (i, [most_in, most_out]) in most.iter().enumerate() {
+        // Of the corner before a move: length and time on it, square of speed in its middle, and who
+        // worked hardest there.
+        let (mut after, mut since, mut passed, mut worked) = (0.0, 0.0, 0.0, (0.0, leg.weakest));
+        for (i, [most_in, most_out, most_corner]) in most.iter().enumerate() {
             let next = most.get(i + 1).map(|next| (self.leg(i + 1), next[0]));
             let corner = next.map(|(next, most)| (Corner::new(&leg, &next, drives), next, most));
             let before = corner.as_ref().map_or(0.0, |(corner, ..)| corner.before);
@@ -175,21 +179,22 @@ impl<'a> Planner<'a> {
                 worked = harder(worked, (ramp.min(1.0), leg.weakest));
             }
             let mut ahead = (0.0, leg.weakest);
-            let mut reached = enter;
+            let (mut reached, mut passes) = (enter, 0.0);
             if let Some((corner, _, most)) = &corner {
-                reached = corner.most_after(leave, *most);
-                let [until, from] = corner.seconds(leave, reached);
+                [passes, reached] = corner.most_after(leave, [*most_corner, *most]);
+                let [until, from] = corner.seconds([leave, passes, reached]);
                 seconds += until;
                 (after, since) = (corner.after, from);
-                ahead = corner.hardest(leave, reached);
+                ahead = corner.hardest([leave, passes, reached]);
             }
+            let peak = peak.max(passed).max(passes);
             let is_bound = (1.0 + ROUNDING) * enter >= *most_in || leave == *most_out;
             let is_blind = lowered.get(i) == Some(&true) && is_bound;
             let hardest = harder(worked, ahead).1;
             let limit = if is_blind { Limit::LookAhead } else { Limit::Acceleration(hardest) };
             timings[self.moving[i]] = timing(&leg, seconds, peak, limit);
             let Some((_, next, _)) = corner else { return };
-            (leg, enter, worked) = (next, reached, ahead);
+            (leg, enter, passed, worked) = (next, reached, passes, ahead);
         }
     }
 }
@@ -310,6 +315,18 @@ mod tests {
         }
         // Mean speeds of uneven moves lie beside their middles.
         assert!((0.95..1.1).contains(&used), "{used} of the acceleration");
+    }
+
+    #[test]
+    fn a_slow_move_among_fast_ones_takes_its_time() {
+        let ways: Vec<f64> =
+            (0..99).flat_map(|i| [0.5, 0.1 * (f64::from(i) / 9.0).sin()]).collect();
+        let mut least = [0.01; 99];
+        least[50] = 0.1;
+        let timings = timings(2, &ways, &least);
+        assert!(timings[50].seconds >= 0.1 * (1.0 - ROUNDING_ERROR), "{:?}", timings[50]);
+        let is_late = |(timing, least): (&Timing, &f64)| timing.seconds < least * (1.0 - 1e-9);
+        assert!(!timings.iter().zip(&least).any(is_late));
     }
 
     #[test]

@@ -227,7 +227,7 @@ fn comments(report: &CheckReport, header: &Header) -> Vec<String> {
     for AxisBounds { axis, unit, least, greatest } in &report.bounds {
         comments.push(format!("{axis}: {least:.4} to {greatest:.4} {unit}"));
     }
-    comments.push(format!("time: {}", clock(report.planned.total())));
+    comments.push(format!("time: {}, without acceleration", clock(report.seconds)));
     comments.push(format!("moves: {}", report.n_moves));
     if let Some(stock) = header.stock {
         comments.push(format!("assumes at most {stock:.2} mm of stock"));
