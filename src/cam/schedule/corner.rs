@@ -18,6 +18,11 @@ const GENTLE: f64 = 0.125;
 /// Parabolas shorter than this part of a move are none: the moves go on in one line.
 const NEGLIGIBLE: f64 = 1e-9;
 
+/// Where two moves meet the square of the speed may be this much above the slower one's top. Along a
+/// path whose steps change a little in length it goes evenly from top to top, and each move takes
+/// its time; a single slow one may be shorter by a fortieth.
+const ABOVE_TOP: f64 = 1.1;
+
 /// A rounded corner: two bends that meet where the moves do, since each has its own top speed.
 #[derive(Debug)]
 pub(super) struct Corner {
@@ -53,7 +58,9 @@ impl Corner {
     /// `most_after` can be had at its end; `tops` are those of its moves.
     pub(super) fn most_before(&self, tops: [f64; 2], most_after: f64) -> [f64; 2] {
         let Some([first, second]) = &self.bends else { return [tops[0].min(most_after); 2] };
-        let middle = second.most_before(tops[0].min(tops[1]), most_after);
+        let slower = tops[0].min(tops[1]);
+        let top = (0.5 * (tops[0] + tops[1])).min(ABOVE_TOP * slower);
+        let middle = second.most_before(top, most_after);
         [first.most_before(tops[0], middle), middle]
     }
 

@@ -324,9 +324,10 @@ mod tests {
         let mut least = [0.01; 99];
         least[50] = 0.1;
         let timings = timings(2, &ways, &least);
-        assert!(timings[50].seconds >= 0.1 * (1.0 - ROUNDING_ERROR), "{:?}", timings[50]);
-        let is_late = |(timing, least): (&Timing, &f64)| timing.seconds < least * (1.0 - 1e-9);
-        assert!(!timings.iter().zip(&least).any(is_late));
+        // All but a fortieth, which its corners may be above its own speed.
+        assert!(timings[50].seconds >= 0.1 * 0.975, "{:?}", timings[50]);
+        let is_early = |(timing, least): (&Timing, &f64)| timing.seconds < 0.975 * least;
+        assert!(!timings.iter().zip(&least).any(is_early));
     }
 
     #[test]
@@ -336,7 +337,8 @@ mod tests {
             .collect();
         let first = timings(2, &ways, &[0.004; 200]);
         let paces: Vec<f64> = first.iter().map(|timing| timing.pace).collect();
-        assert_takes(total(&first), &timings(2, &ways, &paces));
+        let again = total(&timings(2, &ways, &paces));
+        assert!((again / total(&first) - 1.0).abs() < 1e-3, "{again} s, {} s", total(&first));
     }
 
     #[test]
