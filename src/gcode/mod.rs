@@ -20,7 +20,7 @@ mod restart;
 mod scan;
 mod write;
 
-pub use check::{AxisBounds, BlockRate, CheckReport, Violation, ViolationKind, check};
+pub use check::{AxisBounds, BlockRate, CheckReport, PlannedTime, Violation, ViolationKind, check};
 pub use dialect::{
     CommentStyle, Decimals, Dialect, DialectError, EndWord, FeedWords, InverseTime, Numbering,
     Rotary,

@@ -65,6 +65,7 @@ mod tests {
             default_tool: "none".into(),
             clearance: 0.0,
             blocks_per_second: 1000.0,
+            look_ahead_blocks: None,
         }
     }
 

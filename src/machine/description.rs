@@ -57,6 +57,7 @@ fn read(text: &str) -> Result<Machine, Flaw> {
         default_tool: file.default_tool.get_ref().clone(),
         clearance: positive("clearance", &file.clearance)?,
         blocks_per_second: positive("blocks-per-second", &file.blocks_per_second)?,
+        look_ahead_blocks: file.look_ahead_blocks.as_ref().map(look_ahead).transpose()?,
     };
     check_default_tool(&machine, &file.default_tool)?;
     Ok(machine)
@@ -152,6 +153,13 @@ fn clamping(file: &ClampingFile) -> Result<Clamping, Flaw> {
             gap: positive("gap", gap)?,
         },
     })
+}
+
+/// A control that sees one block alone stops after each; that is none for paths of small steps.
+fn look_ahead(given: &Spanned<i64>) -> Result<usize, Flaw> {
+    let blocks = *given.get_ref();
+    let enough = usize::try_from(blocks).ok().filter(|blocks| *blocks >= 2);
+    enough.ok_or_else(|| number(given, "look-ahead-blocks", blocks as f64, "2 or more"))
 }
 
 /// A default tool from another library than the embedded one is checked when it is looked up.

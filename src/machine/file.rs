@@ -20,6 +20,7 @@ pub(super) struct MachineFile {
     pub(super) default_tool: Spanned<String>,
     pub(super) clearance: Spanned<f64>,
     pub(super) blocks_per_second: Spanned<f64>,
+    pub(super) look_ahead_blocks: Option<Spanned<i64>>,
     pub(super) axis: Vec<AxisFile>,
 }
 

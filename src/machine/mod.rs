@@ -43,6 +43,9 @@ pub struct Machine {
     pub clearance: f64,
     /// Blocks per second the control can read.
     pub blocks_per_second: f64,
+    /// Blocks the control plans at once, the running one included, 2 or more; `None` if they are
+    /// so many that they slow nothing down.
+    pub look_ahead_blocks: Option<usize>,
 }
 
 /// Which way the tool's own axis of revolution points.

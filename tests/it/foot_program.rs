@@ -85,6 +85,6 @@ fn path_around(surface: Surface, machine: &Machine, per_turn: u32, along: [f64; 
         words[machine.attack] = machine.axes[machine.attack].word(contact.height);
         (words, Some(contact.point))
     };
-    let options = PassOptions { clear, cut: tool.feed, plunge: tool.plunge_feed };
-    pass(machine, way.n_positions(), position, options, &Silent).unwrap()
+    let options = PassOptions { clear, cut: tool.feed, plunge: tool.plunge_feed, rotation: None };
+    pass(machine, way.n_positions(), position, options, &Silent).unwrap().path
 }

@@ -32,6 +32,21 @@ fn line_and_column(before: &str) -> (usize, usize) {
 }
 
 #[test]
+fn a_control_that_looks_ahead_sees_two_blocks_or_more() {
+    let key = "blocks-per-second = 1_000";
+    let with = |blocks: &str| format!("{key}\nlook-ahead-blocks = {blocks} # given");
+    let text = |blocks: &str| Machine::builtin_text(LATHE).unwrap().replace(key, &with(blocks));
+    let read = |blocks: &str| Machine::parse(&text(blocks), "my.toml").unwrap();
+    assert_eq!(Machine::builtin(LATHE).unwrap().look_ahead_blocks, None);
+    assert_eq!(read("16").look_ahead_blocks, Some(16));
+    for blocks in ["1", "0", "-3"] {
+        let place = format!("look-ahead-blocks = ^{blocks} # given");
+        let told = problem(LATHE, key, [key, &with(blocks)], &place);
+        assert_eq!(told, format!("look-ahead-blocks is {blocks}: it must be 2 or more"));
+    }
+}
+
+#[test]
 fn a_direction_of_any_length_is_made_a_unit_vector() {
     for direction in ["[0, 5, 0]", "[0, 1e-200, 0]", "[0, 1e300, 0]"] {
         let text = Machine::builtin_text(LATHE).unwrap().replace("[0, 1, 0]", direction);

@@ -30,6 +30,7 @@ mod programs;
 mod random_cases;
 mod roughing;
 mod rs274;
+mod schedule;
 mod shapes;
 mod small_machines;
 mod source;

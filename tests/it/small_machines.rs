@@ -109,6 +109,7 @@ fn machine(name: &str, axes: Vec<Axis>, attack: usize) -> Machine {
         default_tool: "wheel".into(),
         clearance: 5.0,
         blocks_per_second: 1000.0,
+        look_ahead_blocks: None,
     }
 }
 

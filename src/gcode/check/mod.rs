@@ -1,13 +1,16 @@
 //! What a machine would have against a program, before it runs.
 
 mod report;
+mod time;
 
 use super::number::round_to;
 use super::{Address, Block, BlockKind, Program, Step, StepKind};
 use crate::machine::{Axis, AxisKind, MAX_AXES, Machine};
 use std::collections::VecDeque;
+use time::Stopwatch;
 
 pub use report::{AxisBounds, BlockRate, CheckReport, Violation, ViolationKind};
+pub use time::PlannedTime;
 
 /// Blocks a second are counted over this many moves on end: as many as the smallest look-ahead
 /// buffer in use holds (GRBL), so that a single short block is no alarm.
@@ -33,6 +36,7 @@ struct Checker<'a> {
     bounds: [[f64; 2]; MAX_AXES],
     /// Times of the last feed moves, and their sum.
     window: VecDeque<f64>,
+    stopwatch: Stopwatch<'a>,
     spindle_was_off: bool,
     was_placed: [bool; MAX_AXES],
 }
@@ -45,6 +49,8 @@ impl<'a> Checker<'a> {
             bounds: Vec::new(),
             seconds: 0.0,
             feed_seconds: 0.0,
+            planned: PlannedTime::default(),
+            slowed: Vec::new(),
             feed_distance_mm: 0.0,
             rapid_distance_mm: 0.0,
             block_rate: None,
@@ -57,6 +63,7 @@ impl<'a> Checker<'a> {
             report,
             bounds: [[f64::INFINITY, f64::NEG_INFINITY]; MAX_AXES],
             window: VecDeque::with_capacity(BLOCK_WINDOW + 1),
+            stopwatch: Stopwatch::new(machine),
             spindle_was_off: false,
             was_placed: [false; MAX_AXES],
         }
@@ -71,6 +78,7 @@ impl<'a> Checker<'a> {
     fn take(&mut self, step: &Step) {
         let seconds = step.seconds.unwrap_or(0.0);
         self.report.seconds += seconds;
+        self.stopwatch.take(step);
         if step.kind == StepKind::Dwell {
             self.window.clear();
             return;
@@ -187,6 +195,7 @@ impl<'a> Checker<'a> {
             let line = self.program.blocks.last().map_or(1, |block| block.line);
             self.violate(line, ViolationKind::NoEnd);
         }
+        (self.report.planned, self.report.slowed) = self.stopwatch.finish();
         self.report
     }
 }

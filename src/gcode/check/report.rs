@@ -1,5 +1,7 @@
 //! What a check found, for people and for programs.
 
+use super::PlannedTime;
+use crate::cam::Slowed;
 use crate::gcode::LongestLine;
 use serde::Serialize;
 use std::fmt;
@@ -20,6 +22,10 @@ pub struct CheckReport {
     pub seconds: f64,
     /// The part of it spent in feed moves [s].
     pub feed_seconds: f64,
+    /// What a planner needs for it that has the accelerations of the machine.
+    pub planned: PlannedTime,
+    /// Why it needs more, the costliest reason first.
+    pub slowed: Vec<Slowed>,
     /// Way of the linear axes in feed moves [mm].
     pub feed_distance_mm: f64,
     /// Way of the linear axes in rapid moves [mm].
@@ -137,7 +143,13 @@ impl fmt::Display for CheckReport {
         for AxisBounds { axis, unit, least, greatest } in &self.bounds {
             writeln!(f, "{axis}  {least:.4} to {greatest:.4} {unit}")?;
         }
-        writeln!(f, "time {:.1} s, {:.1} s of it feeding", self.seconds, self.feed_seconds)?;
+        let (seconds, fed, planned) = (self.seconds, self.feed_seconds, &self.planned);
+        let total = planned.total();
+        writeln!(f, "programmed {seconds:.1} s, {fed:.1} s of it feeding")?;
+        writeln!(f, "with these accelerations {total:.1} s: {planned}")?;
+        for slowed in self.slowed.iter().filter(|slowed| slowed.is_worth_telling(total)) {
+            writeln!(f, "{slowed}")?;
+        }
         let (feed, rapid) = (self.feed_distance_mm, self.rapid_distance_mm);
         writeln!(f, "way {feed:.1} mm feeding, {rapid:.1} mm rapid")?;
         if let Some(BlockRate { highest, line, limit }) = self.block_rate {

@@ -72,6 +72,11 @@ pub struct CamOptions {
     #[arg(long, value_name = "MM/MIN")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed: Option<f64>,
+    /// Turn the part at this constant speed, however fast the contact then is: helix and rings
+    /// [rpm; default: the cutting feed at the contact].
+    #[arg(long, value_name = "RPM", conflicts_with = "feed")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rpm: Option<f64>,
     /// Spindle speed of the cutter [rpm; default: the tool's].
     #[arg(long, value_name = "RPM")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,6 +148,15 @@ pub enum OptionsError {
     /// A strategy's options contradict each other.
     #[error("{0}")]
     Conflict(&'static str),
+    /// A rotation for a strategy that does not turn the part through.
+    #[error(
+        "--rpm turns the part at a constant speed, and {strategy:?} does not turn it while cutting; \
+         use --feed, or --strategy helix or rings"
+    )]
+    NotTurning {
+        /// The strategy.
+        strategy: Strategy,
+    },
     /// The spindle axis is none.
     #[error(transparent)]
     Axis(#[from] SetupError),
@@ -157,6 +171,7 @@ impl CamOptions {
             ("--points-per-mm", self.points_per_mm),
             ("--scallop", self.scallop),
             ("--feed", self.feed),
+            ("--rpm", self.rpm),
             ("--speed", self.speed),
             ("--points-per-turn", self.points_per_turn.map(f64::from)),
         ];
@@ -183,6 +198,9 @@ impl CamOptions {
         if self.scallop.is_some() && self.pitch.is_some() {
             return Err(OptionsError::Conflict("give --pitch or --scallop, not both"));
         }
+        if self.rpm.is_some() && self.feed.is_some() {
+            return Err(OptionsError::Conflict("give --feed or --rpm, not both"));
+        }
         Ok(())
     }
 
@@ -201,6 +219,8 @@ impl CamOptions {
             ("points-per-mm", &["points-per-turn", "step"]),
             ("points-per-turn", &["points-per-mm"]),
             ("step", &["points-per-mm"]),
+            ("feed", &["rpm"]),
+            ("rpm", &["feed"]),
         ];
         for rival in rivals.iter().filter(|(key, _)| ours.contains_key(*key)).flat_map(|r| r.1) {
             all.remove(*rival);
@@ -249,6 +269,18 @@ mod tests {
         let both = flags.over(&job);
         assert_eq!((both.pitch, both.scallop), (None, Some(0.02)));
         assert_eq!((both.allowance, both.mirror), (Some(1.0), true));
+    }
+
+    #[test]
+    fn a_rotation_and_a_feed_drop_each_other() {
+        let feed = CamOptions { feed: Some(900.0), ..Default::default() };
+        let rpm = CamOptions { rpm: Some(60.0), ..Default::default() };
+        let both = rpm.over(&feed);
+        assert_eq!((both.feed, both.rpm), (None, Some(60.0)));
+        let both = feed.over(&rpm);
+        assert_eq!((both.feed, both.rpm), (Some(900.0), None));
+        let both = CamOptions { feed: Some(900.0), ..rpm }.check().unwrap_err();
+        assert_eq!(both.to_string(), "give --feed or --rpm, not both");
     }
 
     #[test]

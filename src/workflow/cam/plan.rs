@@ -6,8 +6,8 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RunReport, SetupReport};
 use super::spacing::{self, Run, SpacingError};
 use crate::cam::{
-    BlockError, Contact, ContourOptions, Digitizer, FitError, Part, PassOptions, RoughError, Setup,
-    SetupError, Spacing, Stand, Strategy, Trajectory, TrajectoryError, TurnLine, clear_word,
+    BlockError, Contact, ContourOptions, Digitizer, FitError, Part, Pass, PassOptions, RoughError,
+    Setup, SetupError, Spacing, Stand, Strategy, Trajectory, TrajectoryError, TurnLine, clear_word,
     contours, pass, reach, room_beside, run_along, set_up, within,
 };
 use crate::gcode::{self, Dialect, PostError};
@@ -15,6 +15,7 @@ use crate::geom::{Point3, Surface};
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine, MachineError};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::{Profile, Reach, Tool, ToolError};
+use std::f64::consts::TAU;
 
 /// The tool runs this share of its reach beyond the part's ends: at its very side rounding would
 /// decide, from one position to the next, whether it touches the end or the clamp.
@@ -148,8 +149,8 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         words[machine.attack] = heights.word(i);
         (words, contacts[i].map(|contact| contact.point))
     };
-    let toolpath = pass(machine, way.n_positions(), position, pace, progress)?;
-    let run_report = RunReport::new(&way, &setup, &tool, options, &heights);
+    let Pass { path: toolpath, feed } = pass(machine, way.n_positions(), position, pace, progress)?;
+    let run_report = RunReport::new(&way, &setup, &tool, options, (&heights, feed));
     let is_turned_on_table = run.line.is_some();
     let path = keep_scene.then(|| (heights.touched(), heights.thinned()));
     // A million positions are 60 MB: gone before the program is made.
@@ -197,7 +198,8 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
 
 pub(super) fn pace(tool: &Tool, options: &CamOptions, clear: f64) -> PassOptions {
     let cut = options.feed.map_or(tool.feed, |feed| feed / 60.0);
-    PassOptions { clear, cut, plunge: tool.plunge_feed.min(cut) }
+    let rotation = options.rpm.map(|rpm| rpm * TAU / 60.0);
+    PassOptions { clear, cut, plunge: tool.plunge_feed.min(cut), rotation }
 }
 
 pub(super) fn in_mode(surface: Surface, mode: Option<Mode>) -> Result<Surface, CamError> {
@@ -252,6 +254,9 @@ pub(super) fn run_of<'a>(
     let has_spindle = stand.machine.spindle.is_some();
     let usual = if has_spindle { Strategy::Helix } else { Strategy::Raster };
     let strategy = options.strategy.unwrap_or(usual);
+    if options.rpm.is_some() && !matches!(strategy, Strategy::Helix | Strategy::Rings) {
+        return Err(OptionsError::NotTurning { strategy }.into());
+    }
     let is_around = !matches!(strategy, Strategy::Raster | Strategy::Contour);
     if is_around && !has_spindle {
         return on_tilted_table(setup, stand, strategy, options.overrun, reach);

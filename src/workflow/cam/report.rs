@@ -3,7 +3,7 @@
 use super::CamOptions;
 use super::heights::Heights;
 use super::spacing::scallop;
-use crate::cam::{ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
+use crate::cam::{FeedReport, ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
 use crate::gcode::CheckReport;
 use crate::geom::Surface;
 use crate::tool::Tool;
@@ -119,6 +119,10 @@ pub struct RunReport {
     pub scallop: Option<f64>,
     /// Cutting feed asked for, at the contact [mm/min].
     pub feed: f64,
+    /// Rotation of the part asked for instead of it, where the part turns [rpm].
+    pub rpm: Option<f64>,
+    /// What the machine can hold of the feed, in the cut alone.
+    pub held: FeedReport,
     /// Greatest change of the attack axis between two positions [mm]: between positions nothing is
     /// promised yet.
     pub greatest_rise: f64,
@@ -158,7 +162,7 @@ impl RunReport {
         setup: &Setup,
         tool: &Tool,
         options: &CamOptions,
-        heights: &Heights,
+        (heights, held): (&Heights, FeedReport),
     ) -> Self {
         let allowance = options.allowance.unwrap_or(0.0);
         Self {
@@ -174,6 +178,8 @@ impl RunReport {
             off_part: options.off_part.unwrap_or_default().in_words(),
             scallop: scallop(&tool.profile, way, heights.contacts),
             feed: options.feed.unwrap_or(tool.feed * 60.0),
+            rpm: options.rpm,
+            held,
             greatest_rise: heights.greatest_rise(),
         }
     }
@@ -235,6 +241,10 @@ impl CamReport {
                     reach.deepest
                 ));
             }
+        }
+        let held = &self.run.held;
+        for slowed in held.slowed.iter().filter(|slowed| slowed.is_worth_telling(held.taken)) {
+            say(slowed.to_string());
         }
         if let Some(rate) = self.program.block_rate.filter(|rate| rate.highest > rate.limit) {
             say(format!(

@@ -10,8 +10,8 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RoughReport, RunReport, SetupReport};
 use super::spacing;
 use crate::cam::{
-    Block, Contact, Cut, Digitizer, Move, Pace, Part, PassOptions, RoughOptions, Roughing, Stand,
-    Toolpath, Trajectory, clear_word, pass, set_up, within,
+    Block, Contact, Cut, Digitizer, FeedReport, Move, Pace, Part, Pass, PassOptions, RoughOptions,
+    Roughing, Stand, Toolpath, Trajectory, clear_word, pass, set_up, within,
 };
 use crate::gcode;
 use crate::geom::Point3;
@@ -87,11 +87,11 @@ pub fn rough(
             .or(run.line.map(|line| line.axis))
             .filter(|&axis| machine.axes[axis].limits.is_none()),
     };
-    let toolpath = cutting.toolpath(progress)?;
+    let Pass { path: toolpath, feed } = cutting.toolpath(progress)?;
     let held_heights =
         Heights::new(&contacts, options.off_part.unwrap_or_default(), machine, clear);
     let held_heights = held_heights.ok_or(CamError::Missed)?;
-    let run_report = RunReport::new(&way, &setup, &tool, options, &held_heights);
+    let run_report = RunReport::new(&way, &setup, &tool, options, (&held_heights, feed));
     let path = keep_scene.then(|| (cutting.path(), held_heights.thinned()));
     let rough_report = RoughReport {
         block: block.to_string(),
@@ -146,11 +146,12 @@ struct Cutting<'a> {
 impl Cutting<'_> {
     /// All cuts with the links between them: straight up, across above all stock, straight down to
     /// it, and with the plunging feed into it. An axis that turns without end is never wound back.
-    fn toolpath(&self, progress: &dyn Progress) -> Result<Toolpath, Cancelled> {
+    fn toolpath(&self, progress: &dyn Progress) -> Result<Pass, Cancelled> {
         let clear = self.pace.clear;
         let cuts = &self.roughing.cuts;
         progress.start("scheduling", cuts.len() as u64);
         let mut all = Toolpath { moves: Vec::new(), clear };
+        let mut feed = FeedReport::default();
         for (i, cut) in cuts.iter().enumerate() {
             let is_first = i == 0;
             let link = if is_first { clear } else { self.word(cut.link) };
@@ -168,8 +169,9 @@ impl Cutting<'_> {
                 (words, touched)
             };
             let pace = PassOptions { clear: link, ..self.pace };
-            let path = pass(self.way.machine(), positions.len(), position, pace, &Silent)?;
-            let mut moves = path.moves.into_iter();
+            let cut_pass = pass(self.way.machine(), positions.len(), position, pace, &Silent)?;
+            feed.take(&cut_pass.feed);
+            let mut moves = cut_pass.path.moves.into_iter();
             if let Some(over) = moves.next() {
                 let mut down = over.to;
                 down[self.way.machine().attack] = self.word(cut.above);
@@ -181,7 +183,7 @@ impl Cutting<'_> {
         if let Some(leave) = all.moves.last_mut() {
             leave.to[self.way.machine().attack] = clear;
         }
-        Ok(all)
+        Ok(Pass { path: all, feed })
     }
 
     /// The whole turns that bring position `i` nearest to where the last move ended [rad].

@@ -147,6 +147,9 @@ fn description(machine: &Machine) -> Value {
         "blocks-per-second": machine.blocks_per_second,
         "axis": axes,
     });
+    if let Some(blocks) = machine.look_ahead_blocks {
+        all["look-ahead-blocks"] = json!(blocks);
+    }
     if let Some(spindle) = machine.spindle {
         all["spindle"] = json!(machine.axes[spindle].letter);
     }
@@ -195,7 +198,7 @@ fn summary(machine: &Machine) -> String {
         ("tools", format!("{mount}; {} unless told otherwise", machine.default_tool)),
         ("clamping", clamping(machine.clamping)),
         ("clearance", format!("{} mm", number(machine.clearance))),
-        ("control", format!("{}, {} blocks/s", machine.dialect, number(machine.blocks_per_second))),
+        ("control", control(machine)),
     ] {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "  {what:<10} {value}");
@@ -204,6 +207,12 @@ fn summary(machine: &Machine) -> String {
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(machine.axes.iter().map(|axis| axis_row(machine, axis)));
     text + "\n" + &table(&rows)
+}
+
+fn control(machine: &Machine) -> String {
+    let ahead = machine.look_ahead_blocks;
+    let ahead = ahead.map_or_else(String::new, |blocks| format!(", looks {blocks} blocks ahead"));
+    format!("{}, {} blocks/s{ahead}", machine.dialect, number(machine.blocks_per_second))
 }
 
 fn axis_row(machine: &Machine, axis: &Axis) -> [String; 9] {

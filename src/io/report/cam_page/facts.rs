@@ -2,7 +2,7 @@
 
 use super::super::{Block, Table};
 use super::words::{clock, count, fine, pitch, range, reached, strategy, tool};
-use crate::cam::{ReachReport, Strategy};
+use crate::cam::{FeedReport, ReachReport, Strategy};
 use crate::gcode::CheckReport;
 use crate::workflow::cam::CamReport;
 
@@ -31,7 +31,11 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
         "Greatest ridge left",
         run.scallop.map_or("not known".to_owned(), |height| format!("{height:.3} mm")),
     ));
-    facts.push(fact("Cutting feed", format!("{} mm/min at the contact", run.feed.round())));
+    facts.push(match run.rpm {
+        Some(rpm) => fact("Rotation", format!("{} rpm of the part", fine(rpm))),
+        None => fact("Cutting feed", format!("{} mm/min at the contact", run.feed.round())),
+    });
+    facts.push(fact("Feed held", held(&run.held)));
     facts.push(fact(
         "Greatest step of the attack axis",
         format!("{:.3} mm between two positions", run.greatest_rise),
@@ -51,6 +55,13 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
         facts.push(fact("Positions of all cuts", count(rough.n_positions)));
     }
     vec![Block::Facts(facts)]
+}
+
+/// How much of the feed the machine holds over the whole cut, and what takes most of the rest.
+fn held(feed: &FeedReport) -> String {
+    let share = if feed.taken > 0.0 { (100.0 * feed.asked / feed.taken).min(100.0) } else { 100.0 };
+    let most = feed.slowed.first().map_or_else(String::new, |slowed| format!("; {slowed}"));
+    format!("{share:.0} %{most}")
 }
 
 /// What the tool can touch, by area.
@@ -89,8 +100,13 @@ pub(super) fn program(program: &CheckReport) -> Vec<Block> {
     let mut facts = vec![
         fact(
             "Time",
-            format!("{}, feeding {}", clock(program.seconds), clock(program.feed_seconds)),
+            format!(
+                "{} with the accelerations of the machine; the feeds alone make {}",
+                clock(program.planned.total()),
+                clock(program.seconds)
+            ),
         ),
+        fact("Seconds spent on", program.planned),
         fact("Blocks", format!("{}, {} moves", count(program.n_blocks), count(program.n_moves))),
         fact(
             "Way of the linear axes",

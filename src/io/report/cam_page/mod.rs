@@ -62,7 +62,7 @@ fn figures(report: &CamReport) -> Vec<Figure> {
         unit: unit.to_owned(),
     };
     let mut figures = vec![
-        figure("Time (h:mm:ss)", clock(report.program.seconds), ""),
+        figure("Time (h:mm:ss)", clock(report.program.planned.total()), ""),
         figure("Positions", count(report.run.n_positions), ""),
     ];
     if let Some(reach) = &report.reach {

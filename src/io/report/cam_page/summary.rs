@@ -36,9 +36,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     for AxisBounds { axis, unit, least, greatest } in &program.bounds {
         lines.add(&axis.to_string(), format!("{least:.3} to {greatest:.3} {unit}"));
     }
-    let (blocks, feeding) = (count(program.n_blocks), clock(program.feed_seconds));
-    lines.add("program", format!("{blocks} blocks"));
-    lines.add("time", format!("{}, {feeding} of it feeding (h:mm:ss)", clock(program.seconds)));
+    lines.add("program", format!("{} blocks", count(program.n_blocks)));
+    let (total, cutting) = (clock(program.planned.total()), clock(program.planned.cutting));
+    lines.add("time", format!("{total}, {cutting} of it cutting (h:mm:ss)"));
     for note in &part.notes {
         lines.add("note", note);
     }
