@@ -31,7 +31,7 @@ pub struct Timing {
     /// How long it takes [s].
     pub seconds: f64,
     /// How long it would take all at its greatest speed [s]: what a program asks for, since a
-    /// control takes a feed for the most it may reach and speeds up and slows down by itself.
+    /// control takes a feed for the most it may reach and makes its ramps by itself.
     pub pace: f64,
     /// What keeps it from being faster.
     pub limit: Limit,
