@@ -1,5 +1,7 @@
 //! From the bytes of a line to its words and comments.
 
+use super::Language;
+
 /// What is wrong with a place in a program.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
@@ -80,8 +82,11 @@ pub enum Problem {
         bound: &'static str,
     },
     /// A dwell without its time.
-    #[error("G4 without P: say how many seconds to wait, like G4 P0.5")]
-    NoDwellTime,
+    #[error("G4 without {letter}: say how long to wait, like G4 {letter}0.5")]
+    NoDwellTime {
+        /// The letter of the time.
+        letter: char,
+    },
     /// A dwell and axis words at once.
     #[error("G4 and axis words on one line; put the move on a line of its own")]
     DwellMoves,
@@ -100,6 +105,24 @@ pub enum Problem {
     /// P without a dwell.
     #[error("P belongs to G4, and this line has none")]
     StrayTime,
+    /// Whole turns alone can be taken off.
+    #[error("G92 is read where it takes whole turns off a rotary axis, and here it does not")]
+    Rezero,
+    /// A program stop that is no tool change.
+    #[error("{word} is read behind a T word, where tools are changed by hand, and not here")]
+    Stop {
+        /// The word.
+        word: &'static str,
+    },
+    /// What plain text has no such line for.
+    #[error(
+        "{word} begins no line that is read; the reader knows BEGIN PGM, END PGM, L, TOOL CALL, \
+         CYCL DEF 9, M words, comments, and what the dialect lists"
+    )]
+    Klartext {
+        /// The word.
+        word: String,
+    },
     /// A dialect's modal line holds something else.
     #[error("modal words alone belong here, like G21 G90; programs are in millimetres, absolute")]
     NotModal,
@@ -110,23 +133,39 @@ pub enum Problem {
 pub(super) enum Token<'a> {
     /// A letter, upper case, and its number.
     Word(char, f64),
+    /// The same, with how the number is meant.
+    Turn(char, f64, Turning),
     /// The text of a comment.
     Comment(&'a [u8]),
     /// A `%`.
     Percent,
 }
 
+/// How the angle of a rotary axis is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Turning {
+    /// To it by the shorter way.
+    Shorter,
+    /// To it forwards.
+    Forwards,
+    /// To it backwards.
+    Backwards,
+    /// On by it.
+    By,
+}
+
 /// Walks over a line. The column of a token is that of its first character, counted from 1.
 pub(super) struct Scanner<'a> {
     line: &'a [u8],
     at: usize,
+    language: Language,
 }
 
 impl<'a> Scanner<'a> {
     /// A walk over `line`, behind the `/` it may begin with: block delete is read as switched off.
-    pub(super) fn new(line: &'a [u8]) -> Self {
+    pub(super) fn new(line: &'a [u8], language: Language) -> Self {
         let first = line.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(line.len());
-        Self { line, at: first + usize::from(line.get(first) == Some(&b'/')) }
+        Self { line, at: first + usize::from(line.get(first) == Some(&b'/')), language }
     }
 
     /// The next token and its column, `None` at the end of the line; an error has a column too.
@@ -138,7 +177,7 @@ impl<'a> Scanner<'a> {
         let token = match byte {
             b'%' => Ok(Token::Percent),
             b';' => Ok(Token::Comment(self.take(self.line.len()))),
-            b'(' => self.comment(),
+            b'(' if self.language == Language::Iso => self.comment(),
             b'#' | b'[' => Err(Problem::Expression),
             letter if letter.is_ascii_alphabetic() => self.word(letter.to_ascii_uppercase().into()),
             _ => Err(Problem::Character(self.char_before())),
@@ -157,14 +196,55 @@ impl<'a> Scanner<'a> {
     fn word(&mut self, letter: char) -> Result<Token<'a>, Problem> {
         self.skip_space();
         let start = self.at;
-        if let Some(b'#' | b'[') = self.line.get(start) {
-            return Err(Problem::Expression);
+        match self.line.get(start) {
+            Some(b'#' | b'[') => return Err(Problem::Expression),
+            Some(b'=') if self.language == Language::Siemens => {
+                self.at += 1;
+                return self.assigned(letter);
+            }
+            _ => {}
         }
+        Ok(Token::Word(letter, self.number(letter)?))
+    }
+
+    /// What stands behind the `=` of a Siemens word: a number, or one in `DC( )` and its like.
+    fn assigned(&mut self, letter: char) -> Result<Token<'a>, Problem> {
+        self.skip_space();
+        let length = self.line[self.at..].iter().take_while(|byte| byte.is_ascii_alphabetic());
+        let name = self.take(self.at + length.count());
+        if name.is_empty() {
+            return Ok(Token::Word(letter, self.number(letter)?));
+        }
+        let turning = match name.to_ascii_uppercase().as_slice() {
+            b"AC" => None,
+            b"DC" => Some(Turning::Shorter),
+            b"ACP" => Some(Turning::Forwards),
+            b"ACN" => Some(Turning::Backwards),
+            b"IC" => Some(Turning::By),
+            _ => return Err(Problem::Expression),
+        };
+        self.expect(b'(', letter)?;
+        let number = self.number(letter)?;
+        self.expect(b')', letter)?;
+        let word = Token::Word(letter, number);
+        Ok(turning.map_or(word, |turning| Token::Turn(letter, number, turning)))
+    }
+
+    fn expect(&mut self, byte: u8, letter: char) -> Result<(), Problem> {
+        self.skip_space();
+        let is_there = self.line.get(self.at) == Some(&byte);
+        self.at += usize::from(is_there);
+        if is_there { Ok(()) } else { Err(Problem::NoNumber { letter }) }
+    }
+
+    fn number(&mut self, letter: char) -> Result<f64, Problem> {
+        self.skip_space();
+        let start = self.at;
         let is_number = |byte: &u8| byte.is_ascii_digit() || b"+-.".contains(byte);
         let length = self.line[start..].iter().take_while(|byte| is_number(byte)).count();
         let text = str::from_utf8(self.take(start + length)).unwrap_or_default();
         let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-        Ok(Token::Word(letter, number.ok_or(Problem::NoNumber { letter })?))
+        number.ok_or(Problem::NoNumber { letter })
     }
 
     fn skip_space(&mut self) {
@@ -191,7 +271,7 @@ mod tests {
     use super::*;
 
     fn tokens(line: &str) -> Result<Vec<(u32, Token<'_>)>, (u32, Problem)> {
-        let mut scanner = Scanner::new(line.as_bytes());
+        let mut scanner = Scanner::new(line.as_bytes(), Language::Iso);
         std::iter::from_fn(|| scanner.next_token().transpose()).collect()
     }
 
@@ -208,6 +288,29 @@ mod tests {
             (27, Token::Comment(b"rest")),
         ];
         assert_eq!(words, expected);
+    }
+
+    #[test]
+    fn siemens_says_which_way_to_turn() {
+        let mut scanner =
+            Scanner::new(b"N5 X=1.5 A=DC(10.5)b = ic( -3 ) C=ACP(1)", Language::Siemens);
+        let words: Vec<_> = std::iter::from_fn(|| scanner.next_token().unwrap()).collect();
+        let expected = [
+            (1, Token::Word('N', 5.0)),
+            (4, Token::Word('X', 1.5)),
+            (10, Token::Turn('A', 10.5, Turning::Shorter)),
+            (20, Token::Turn('B', -3.0, Turning::By)),
+            (33, Token::Turn('C', 1.0, Turning::Forwards)),
+        ];
+        assert_eq!(words, expected);
+        for (line, problem) in [
+            (&b"A=DC(1"[..], Problem::NoNumber { letter: 'A' }),
+            (b"A=DC 1)", Problem::NoNumber { letter: 'A' }),
+            (b"A=SIN(1)", Problem::Expression),
+            (b"(MSG)", Problem::Character('(')),
+        ] {
+            assert_eq!(Scanner::new(line, Language::Siemens).next_token(), Err((1, problem)));
+        }
     }
 
     #[test]
@@ -228,8 +331,10 @@ mod tests {
         for first in 0..=u8::MAX {
             for second in [0, b'(', b'%', b'X', 0x80, 0xff] {
                 let line = [first, second, first];
-                let mut scanner = Scanner::new(&line);
-                while let Ok(Some(_)) = scanner.next_token() {}
+                for language in [Language::Iso, Language::Siemens] {
+                    let mut scanner = Scanner::new(&line, language);
+                    while let Ok(Some(_)) = scanner.next_token() {}
+                }
             }
         }
     }

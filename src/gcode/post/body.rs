@@ -5,19 +5,24 @@
 //! Where rounding makes a way longer, or the control cannot be as slow as asked, F says what really
 //! happens: the program's time is that of the machine.
 
+use super::fword::FWord;
 use super::{PostError, PostWarning};
 use crate::cam::{Move, Pace, Toolpath};
 use crate::gcode::check::is_outside;
-use crate::gcode::number::{floor_to_digits, round_to};
-use crate::gcode::program::fed_length;
+use crate::gcode::number::{floor_to, round_to};
 use crate::gcode::write::decimals;
 use crate::gcode::{
-    BlockKind, Dialect, InverseTime, Mode, Motion, MoveWords, Program, Spindle, SpindleRun,
+    BlockKind, Coolant, Dialect, DwellWord, InverseTime, Language, Mode, Motion, MoveWords,
+    Program, Rotary, Spindle, SpindleRun,
 };
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine};
+use std::f64::consts::TAU;
 
 /// A speed may be beyond its limit by this part of it: the noise of a scheduler that clips exactly.
 const VELOCITY_TOLERANCE: f64 = 1e-9;
+
+/// The part of its time a block may lose to the digits of F before it is told: four of them.
+const LOST_IN_DIGITS: f64 = 1e-3;
 
 /// The part of a program between preamble and end, as it grows.
 pub(super) struct Body<'a> {
@@ -32,30 +37,62 @@ pub(super) struct Body<'a> {
     feed_mode: Option<Mode>,
     /// Time of moves too small to be written [s].
     carried: f64,
-    raised: Raised,
+    /// How many turns each axis' position has been made less by.
+    turns: [i32; MAX_AXES],
+    /// Whole turns by which this operation begins farther on: the last one left the axis there, and
+    /// turning all the way back would take longer than some operations [rad].
+    shift: AxisValues,
+    has_begun: bool,
+    coolant: Coolant,
+    raised: Tally,
+    lowered: Tally,
 }
 
-/// Blocks that the control runs faster than asked.
+/// Blocks that the control runs at another pace than asked.
 #[derive(Default)]
-struct Raised {
+struct Tally {
     n_blocks: usize,
     /// Index of the first.
     first: usize,
     seconds: f64,
 }
+
 impl<'a> Body<'a> {
     /// A body without moves, for a program whose preamble is that of `dialect`.
     pub(super) fn new(machine: &'a Machine, dialect: &'a Dialect) -> Self {
-        let per_minute = dialect.preamble.iter().any(|modes| modes.contains(Mode::PerMinute));
+        let per_minute = dialect.preamble.iter().any(|modes| modes.contains(Mode::PerMinute))
+            || dialect.language == Language::Klartext;
         Self {
             machine,
             dialect,
-            program: Program::for_machine(machine),
+            program: Program::for_machine(machine, dialect),
             at: [0.0; MAX_AXES],
             wanted: [0.0; MAX_AXES],
             feed_mode: per_minute.then_some(Mode::PerMinute),
             carried: 0.0,
-            raised: Raised::default(),
+            turns: [0; MAX_AXES],
+            shift: [0.0; MAX_AXES],
+            has_begun: false,
+            coolant: Coolant::Off,
+            raised: Tally::default(),
+            lowered: Tally::default(),
+        }
+    }
+
+    /// Opens the coolant.
+    pub(super) fn cool(&mut self, coolant: Coolant) -> Result<(), PostError> {
+        let known = &self.dialect.coolants;
+        if coolant != Coolant::Off && !known.contains(&coolant) {
+            return Err(PostError::NoCoolant { coolant, dialect: self.dialect.name.clone() });
+        }
+        self.set_coolant(coolant);
+        Ok(())
+    }
+
+    fn set_coolant(&mut self, coolant: Coolant) {
+        if self.coolant != coolant {
+            self.coolant = coolant;
+            self.program.push(BlockKind::Coolant(coolant));
         }
     }
 
@@ -66,11 +103,35 @@ impl<'a> Body<'a> {
             return Err(PostError::NoStart);
         }
         self.program.blocks.reserve(path.moves.len() + 32);
-        self.wanted = self.machine.with_followers(&first.to);
+        self.speaks_of_turning()?;
+        self.set_shift(&first.to);
+        self.wanted = self.target(&first.to);
         self.wanted[self.machine.attack] = path.clear;
         self.at = self.words(0, &self.wanted)?;
         self.push_rapid(1 << self.machine.attack);
         Ok(())
+    }
+
+    /// Leaves the turns an axis has made before as they are.
+    fn set_shift(&mut self, first: &AxisValues) {
+        let first = self.machine.with_followers(first);
+        for (i_axis, axis) in self.machine.axes.iter().enumerate().take(MAX_AXES) {
+            let endless = axis.kind == AxisKind::Rotary && axis.limits.is_none();
+            if endless && self.has_begun && first[i_axis].is_finite() {
+                let turns = (self.wanted[i_axis] - first[i_axis]) / TAU;
+                self.shift[i_axis] = TAU * turns.round();
+            }
+        }
+        self.has_begun = true;
+    }
+
+    /// Where a move of the toolpath takes all axes.
+    fn target(&self, to: &AxisValues) -> AxisValues {
+        let mut target = self.machine.with_followers(to);
+        for (value, shift) in target.iter_mut().zip(self.shift) {
+            *value += shift;
+        }
+        target
     }
 
     /// Takes all axes to the start, the attack axis last. A tool change may have moved the machine
@@ -85,18 +146,20 @@ impl<'a> Body<'a> {
 
     /// Appends one move of the toolpath.
     pub(super) fn take(&mut self, i_move: usize, step: &Move) -> Result<(), PostError> {
-        let target = self.machine.with_followers(&step.to);
+        let target = self.target(&step.to);
         let words = self.words(i_move, &target)?;
+        self.turns_less_than_half(i_move, &words)?;
         match step.pace {
             Pace::Rapid => self.rapid(words),
             Pace::Feed(feed) => self.feed(i_move, feed, &target, words)?,
             Pace::Duration(seconds) => self.timed(i_move, seconds, &target, words)?,
         }
         self.wanted = target;
+        self.rezero();
         Ok(())
     }
 
-    /// Takes the attack axis back to `clear` and stops the spindle.
+    /// Takes the attack axis back to `clear` and stops spindle and coolant.
     pub(super) fn retreat(&mut self, clear: f64) {
         self.pause();
         self.set_feed_mode(Mode::PerMinute);
@@ -107,15 +170,69 @@ impl<'a> Body<'a> {
         self.rapid(words);
         let run = Some(SpindleRun::Stop);
         self.program.push(BlockKind::Spindle(Spindle { speed_rpm: None, run }));
+        self.set_coolant(Coolant::Off);
     }
 
-    /// What came out differently, with lines as they are behind `n_before` further blocks.
-    pub(super) fn warnings(&self, n_before: usize) -> Vec<PostWarning> {
-        let Raised { n_blocks, first, seconds } = self.raised;
-        let min_rate = self.dialect.inverse_time.map_or(0.0, |inverse| inverse.min_rate);
-        let first_line = (n_before + first + 1) as u32;
-        let raised = PostWarning::FeedRaised { n_blocks, first_line, seconds, min_rate };
-        if n_blocks > 0 { vec![raised] } else { Vec::new() }
+    /// What came out differently; `line(i)` is the line of block `i` of the body.
+    pub(super) fn warnings(&self, line: impl Fn(usize) -> u32) -> Vec<PostWarning> {
+        let mut warnings = Vec::new();
+        let Tally { n_blocks, first, seconds } = self.raised;
+        if n_blocks > 0 {
+            let min_rate = self.dialect.inverse_time.map_or(0.0, |inverse| inverse.min_rate);
+            let first_line = line(first);
+            warnings.push(PostWarning::FeedRaised { n_blocks, first_line, seconds, min_rate });
+        }
+        let Tally { n_blocks, first, seconds } = self.lowered;
+        if n_blocks > 0 {
+            let first_line = line(first);
+            warnings.push(PostWarning::FeedLowered { n_blocks, first_line, seconds });
+        }
+        warnings
+    }
+
+    /// Refuses a machine with rotary axes that the control has not.
+    fn speaks_of_turning(&self) -> Result<(), PostError> {
+        let mut axes = self.program.axes.iter();
+        let turning = axes.find(|axis| axis.kind == AxisKind::Rotary);
+        match turning.filter(|_| self.dialect.rotary == Rotary::None) {
+            Some(axis) => Err(PostError::NoRotary {
+                axis: axis.letter,
+                machine: self.machine.name.clone(),
+                dialect: self.dialect.name.clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Where the control turns the shorter way, half a turn could go either way.
+    fn turns_less_than_half(&self, i_move: usize, words: &AxisValues) -> Result<(), PostError> {
+        if self.dialect.rotary != Rotary::Modulo {
+            return Ok(());
+        }
+        for (i_axis, axis) in self.program.axes.iter().enumerate() {
+            let degrees = words[i_axis] - self.at[i_axis];
+            if axis.kind == AxisKind::Rotary && degrees.abs() > 179.0 {
+                let (axis, dialect) = (axis.letter, self.dialect.name.clone());
+                return Err(PostError::HalfTurn { i_move, axis, degrees, dialect });
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes whole turns off an axis that has turned too often.
+    fn rezero(&mut self) {
+        let Rotary::Rezero { turns: most } = self.dialect.rotary else { return };
+        for i_axis in 0..self.program.axes.len() {
+            let axis = &self.machine.axes[i_axis];
+            if axis.kind != AxisKind::Rotary || axis.limits.is_some() {
+                continue;
+            }
+            let turns = (self.at[i_axis] / 360.0) as i32 - self.turns[i_axis];
+            if turns.unsigned_abs() >= most {
+                self.turns[i_axis] += turns;
+                self.program.push(BlockKind::Rezero { i_axis, turns });
+            }
+        }
     }
 
     /// The words of a target, each a number within the limits of its axis.
@@ -174,7 +291,8 @@ impl<'a> Body<'a> {
         // A way below the decimals goes with the next move, which is longer by it.
         if self.changed(&words) != 0 {
             self.pause();
-            self.push_per_minute(feed * 60.0, words);
+            // Of the rounded way: the feed stays the one asked for.
+            self.push_per_minute(self.fed_length(&words) / feed, words);
         }
         Ok(())
     }
@@ -197,43 +315,49 @@ impl<'a> Body<'a> {
             return Ok(());
         }
         let seconds = seconds + std::mem::take(&mut self.carried);
-        match (self.dialect.inverse_time, self.rotary_that_moves(&words)) {
-            (Some(inverse), _) => self.push_inverse_time(seconds, inverse, words),
-            (None, None) => {
-                self.push_per_minute(60.0 * self.fed_length(&words) / seconds, words);
-            }
-            (None, Some(axis)) => {
-                let dialect = self.dialect.name.clone();
-                return Err(PostError::NoInverseTime { i_move, axis, dialect });
-            }
+        match self.dialect.inverse_time {
+            Some(inverse) => self.push_inverse_time(seconds, inverse, words),
+            None => self.push_per_minute(seconds, words),
         }
         Ok(())
     }
 
     fn push_inverse_time(&mut self, seconds: f64, inverse: InverseTime, words: AxisValues) {
-        let digits = self.dialect.feed.digits;
         let shortest = self.shortest_time(&words);
-        let mut feed = floor_to_digits(60.0 / seconds.max(shortest), digits);
+        let seconds = seconds.max(shortest);
+        let fword = FWord { words: self.dialect.feed, max: inverse.max };
+        let mut feed = fword.inverse(seconds, inverse.unit);
         let length = self.fed_length(&words);
         if length * feed < inverse.min_rate {
             let real = (inverse.min_rate / length).min(60.0 / shortest);
-            let real = floor_to_digits(real, digits);
-            if real > feed {
-                let n_modes = usize::from(self.feed_mode != Some(Mode::InverseTime));
-                self.raised.count(self.program.blocks.len() + n_modes, 60.0 / feed - 60.0 / real);
-                feed = real;
-            }
+            feed = feed.max(fword.inverse(60.0 / real, inverse.unit));
         }
+        let real = self.program.feeds.inverse_seconds(feed);
         self.set_feed_mode(Mode::InverseTime);
         self.push_fed(words, feed);
+        self.compare(seconds, real);
     }
 
-    /// `feed` [mm/min] gives way where rounding made the way of an axis too long for its speed.
-    fn push_per_minute(&mut self, feed: f64, words: AxisValues) {
-        let possible = 60.0 * self.fed_length(&words) / self.shortest_time(&words);
-        let feed = floor_to_digits(feed.min(possible), self.dialect.feed.digits);
+    /// A move of linear axes alone, or of any on a control that measures them all; `seconds` give way
+    /// where rounding made the way of an axis too long for its speed.
+    fn push_per_minute(&mut self, seconds: f64, words: AxisValues) {
+        let seconds = seconds.max(self.shortest_time(&words));
+        let length = self.fed_length(&words);
+        let fword = FWord { words: self.dialect.feed, max: self.dialect.feed.max };
+        let feed = fword.per_minute(60.0 * length / seconds);
         self.set_feed_mode(Mode::PerMinute);
         self.push_fed(words, feed);
+        self.compare(seconds, 60.0 * length / feed);
+    }
+
+    /// Counts the block just written if it takes another time than asked.
+    fn compare(&mut self, asked: f64, real: f64) {
+        let i_block = self.program.blocks.len() - 1;
+        if real < asked * (1.0 - 1e-9) {
+            self.raised.count(i_block, asked - real);
+        } else if real > asked * (1.0 + LOST_IN_DIGITS) {
+            self.lowered.count(i_block, real - asked);
+        }
     }
 
     fn push_fed(&mut self, words: AxisValues, feed: f64) {
@@ -262,8 +386,16 @@ impl<'a> Body<'a> {
     fn pause(&mut self) {
         let seconds = std::mem::take(&mut self.carried);
         if seconds > 0.0 {
-            let seconds = floor_to_digits(seconds, self.dialect.feed.digits);
-            self.program.push(BlockKind::Dwell(seconds));
+            let dwell = self.dialect.dwell;
+            let places = match dwell.word {
+                DwellWord::PMilliseconds => dwell.decimals + 3,
+                _ => dwell.decimals,
+            };
+            let seconds = floor_to(seconds, self.dialect.feed.digits, places);
+            // What is shorter than the control can wait is not worth a stop.
+            if seconds > 0.0 {
+                self.program.push(BlockKind::Dwell(seconds));
+            }
         }
     }
 
@@ -288,7 +420,8 @@ impl<'a> Body<'a> {
     }
 
     fn fed_length(&self, words: &AxisValues) -> f64 {
-        fed_length(&self.program.axes, |i_axis| words[i_axis] - self.at[i_axis])
+        let Program { feeds, axes, .. } = &self.program;
+        feeds.length(axes, |i_axis| words[i_axis] - self.at[i_axis])
     }
 
     /// How far the linear axes go to an exact target [mm].
@@ -330,7 +463,7 @@ impl<'a> Body<'a> {
     }
 }
 
-impl Raised {
+impl Tally {
     fn count(&mut self, i_block: usize, seconds: f64) {
         if self.n_blocks == 0 {
             self.first = i_block;
