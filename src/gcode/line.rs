@@ -48,7 +48,7 @@ impl Line {
                     self.comments.push(String::from_utf8_lossy(text).trim().into());
                 }
                 Token::Word(letter @ ('G' | 'M'), number) => {
-                    self.add_code(letter, number, column)?
+                    self.add_code(letter, number, column)?;
                 }
                 Token::Word(letter, number) => self.add_word(letter, number, None, column)?,
                 Token::Turn(letter, number, turning) => {

@@ -31,6 +31,14 @@ pub enum SplitError {
         /// What it needs.
         needed: usize,
     },
+    /// There are more parts than numbers.
+    #[error(
+        "the parts would be numbered up to {last}, and controls take 9999; begin with a lower one"
+    )]
+    Numbers {
+        /// The number of the last part.
+        last: u32,
+    },
     /// The program cannot be taken up where a part begins.
     #[error(transparent)]
     Restart(#[from] RestartError),
@@ -64,7 +72,7 @@ pub fn split(
     }
     let n_parts = parts.len();
     for (i_part, part) in parts.iter_mut().enumerate() {
-        name(part, i_part, n_parts);
+        name(part, i_part, n_parts)?;
     }
     Ok(parts)
 }
@@ -82,11 +90,11 @@ impl Room {
     fn cut(&self, program: &Program, lengths: &[usize], from: usize) -> Result<usize, SplitError> {
         let mut used = self.before;
         let mut cut = None;
-        for to in from..program.blocks.len() {
+        for (to, length) in lengths.iter().enumerate().skip(from) {
             if to > from && can_begin(program, to) && used + self.closing <= self.limit {
                 cut = Some(to);
             }
-            used += lengths[to];
+            used += length;
             if used + self.closing > self.limit {
                 break;
             }
@@ -142,12 +150,16 @@ fn closing(program: &Program, machine: &Machine, dialect: &Dialect) -> Program {
 }
 
 /// Tells the parts apart, by number and by a remark.
-fn name(part: &mut Program, i_part: usize, n_parts: usize) {
+fn name(part: &mut Program, i_part: usize, n_parts: usize) -> Result<(), SplitError> {
     let mut blocks = part.blocks.iter_mut();
     if let Some(BlockKind::Number(number)) = blocks
         .find_map(|block| matches!(block.kind, BlockKind::Number(_)).then_some(&mut block.kind))
     {
-        *number += i_part as u32;
+        let last = number.saturating_add(i_part as u32);
+        if last > 9999 {
+            return Err(SplitError::Numbers { last });
+        }
+        *number = last;
     }
     let is_tape = |kind: &BlockKind| matches!(kind, BlockKind::Percent | BlockKind::Number(_));
     let n_tape = part.blocks.iter().take_while(|block| is_tape(&block.kind)).count();
@@ -156,6 +168,7 @@ fn name(part: &mut Program, i_part: usize, n_parts: usize) {
     for (line, block) in (1..).zip(&mut part.blocks) {
         block.line = line;
     }
+    Ok(())
 }
 
 /// The length of each block's text.

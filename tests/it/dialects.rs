@@ -11,7 +11,7 @@ use horma::gcode::{
     SplitError, StepKind, check, post, post_operations, read, restart, split, write,
 };
 use horma::machine::{AxisKind, AxisValues, Machine};
-use horma::tool::Tool;
+use horma::tool::{Tool, Turns};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
@@ -56,10 +56,12 @@ fn golden_programs_of_linuxcnc_satisfy_its_interpreter() {
         let bytes = std::fs::read(&path).unwrap();
         let program = read(&mut bytes.as_slice(), &machine, &dialect).unwrap();
         let moves = rs274::interpret(&path);
-        let judged = moves.iter().filter(|step| step.rate != Some(0.0));
-        let last = judged.last().unwrap().to;
+        let mut judged = moves.iter().filter(|step| step.rate != Some(0.0));
+        let last = judged.next_back().unwrap().to;
         let ours = ends(&program, &machine).last().copied().unwrap();
-        for (judged, ours) in [(last[0], ours[0]), (last[1], ours[1]), (last[3], ours[2].to_degrees())] {
+        for (judged, ours) in
+            [(last[0], ours[0]), (last[1], ours[1]), (last[3], ours[2].to_degrees())]
+        {
             assert!((judged - ours).abs() <= 1e-4, "{judged} {ours}");
         }
         let seconds: f64 = moves.iter().map(|step| step.seconds).sum();
@@ -151,11 +153,11 @@ fn parts_of_a_program_are_whole_programs_that_go_on_from_each_other() {
             let part = reread(&written, &machine, &dialect);
             assert_eq!(check(&part, &machine).violations, [], "{}", dialect.name);
             assert!(written.contains(&format!("part {} of {}", i_part + 1, parts.len())));
-            let numbers = part.blocks.iter().filter_map(|block| match block.kind {
+            let mut numbers = part.blocks.iter().filter_map(|block| match block.kind {
                 BlockKind::Number(number) => Some(number),
                 _ => None,
             });
-            assert!(numbers.last().is_none_or(|number| number == 1 + i_part as u32));
+            assert!(numbers.next().is_none_or(|number| number == 1 + i_part as u32));
             // Behind the plunge to where the part before has ended.
             let feeds = part.steps(&machine).filter(|step| step.kind == StepKind::Feed).skip(1);
             cuts.extend(feeds.filter_map(|step| step.values(&part)));
@@ -176,6 +178,11 @@ fn parts_too_small_for_a_cut_are_refused_with_what_they_need() {
     let refusal = split(&whole, &lathe(), &dialect, 300).unwrap_err();
     let SplitError::TooSmall { limit: 300, needed, .. } = refusal else { panic!("{refusal}") };
     assert!(split(&whole, &lathe(), &dialect, needed + 100).is_ok());
+    let last = Header { number: Some(9999), ..Header::default() };
+    let path = spiral(&lathe(), 0.01);
+    let whole_last = post(&path, &lathe(), &wheel(), &dialect, &last).unwrap().program;
+    let told = split(&whole_last, &lathe(), &dialect, 20_000).unwrap_err().to_string();
+    assert!(told.starts_with("the parts would be numbered up to 10000"), "{told}");
     let fits = split(&whole, &lathe(), &dialect, 1 << 20).unwrap();
     assert_eq!(fits, [whole]);
 }
@@ -202,7 +209,7 @@ fn what_a_control_cannot_say_is_refused_by_name() {
     assert_eq!(told, "program number 10000 is not one of 1 to 9999");
     let nowhere = Header { tolerance: Some(f64::NAN), ..plain.clone() };
     let told = refusal(&lathe(), &turning, &named("linuxcnc"), &nowhere);
-    assert_eq!(told, "the tolerance for corners is NaN mm; it must be a number greater than 0");
+    assert_eq!(told, "the tolerance for corners is NaN mm; it must be a number, 0.0001 or more");
     let twice = Dialect { letters: vec![('A', 'X')], ..named("linuxcnc") };
     let told = refusal(&lathe(), &turning, &twice, &plain);
     assert_eq!(told, "linuxcnc calls two axes of lathe X; change its letters");
@@ -242,10 +249,28 @@ fn the_tolerance_for_corners_is_what_was_asked_for() {
     }
 }
 
+#[test]
+fn every_coolant_of_a_control_is_opened_closed_and_read_back() {
+    for dialect in dialects() {
+        let machine = machine_for(&dialect);
+        let path = turning_path(&machine, 0.0);
+        for &coolant in &dialect.coolants {
+            let header = Header { coolant: Some(coolant), ..Header::default() };
+            let program = post(&path, &machine, &wheel(), &dialect, &header).unwrap().program;
+            let back = reread(&text(&program, &dialect), &machine, &dialect);
+            let turned = back.blocks.iter().filter_map(|block| match block.kind {
+                BlockKind::Coolant(coolant) => Some(coolant),
+                _ => None,
+            });
+            assert_eq!(turned.collect::<Vec<_>>(), [coolant, Coolant::Off], "{}", dialect.name);
+        }
+    }
+}
+
 /// Two tools, one after the other, and everything they can ask for.
 fn golden_program(machine: &Machine, dialect: &Dialect) -> Posted {
     let paths = [turning_path(machine, 0.0), turning_path(machine, 20.0)];
-    let tools = [wheel(), Tool { number: 8, ..wheel() }];
+    let tools = [wheel(), Tool { number: 8, turns: Turns::Clockwise, ..wheel() }];
     let operations: Vec<_> =
         paths.iter().zip(&tools).map(|(path, tool)| Operation { path, tool }).collect();
     let long = "a remark so long that no control would take it on a single line, not even in \
@@ -328,7 +353,11 @@ fn along<'a>(
         if ends.get(i_end + 1).is_some_and(near) {
             i_end += 1;
         }
-        assert!(near(&ends[i_end]), "{name}: move {i_move} ends at {:?}, not {target:?}", ends[i_end]);
+        assert!(
+            near(&ends[i_end]),
+            "{name}: move {i_move} ends at {:?}, not {target:?}",
+            ends[i_end]
+        );
     }
     &ends[i_end + 1..]
 }
@@ -436,7 +465,6 @@ fn text(program: &Program, dialect: &Dialect) -> String {
 }
 
 fn reread(text: &str, machine: &Machine, dialect: &Dialect) -> Program {
-    read(&mut text.as_bytes(), machine, dialect).unwrap_or_else(|error| {
-        panic!("{}: {error}\n{text}", dialect.name)
-    })
+    read(&mut text.as_bytes(), machine, dialect)
+        .unwrap_or_else(|error| panic!("{}: {error}\n{text}", dialect.name))
 }

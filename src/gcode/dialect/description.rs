@@ -294,7 +294,12 @@ mod tests {
             ("linuxcnc", "tolerance = 0.01", "tolerance = 0", "a tolerance is more than 0 mm"),
             ("linuxcnc", "G90 G94", "G90 G93", "begins with feeds per minute (G94)"),
             ("linuxcnc", "G64 P{}", "G64 P{} Q{}", "{} once at most"),
-            ("linuxcnc", "p-seconds", "cycle-9", "cycle-9 is the pause of klartext"),
+            (
+                "linuxcnc",
+                "word = \"p-seconds\"",
+                "word = \"cycle-9\"",
+                "cycle-9 is the pause of klartext",
+            ),
             ("heidenhain", "tape = \"pgm\"", "tape = \"percent\"", "pgm is the tape of klartext"),
             ("siemens-840d", "\"semicolon\"", "\"parentheses\"", "begin with a semicolon"),
         ] {

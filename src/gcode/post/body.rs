@@ -227,9 +227,9 @@ impl<'a> Body<'a> {
             if axis.kind != AxisKind::Rotary || axis.limits.is_some() {
                 continue;
             }
-            let turns = (self.at[i_axis] / 360.0) as i32 - self.turns[i_axis];
+            let turns = ((self.at[i_axis] / 360.0) as i32).saturating_sub(self.turns[i_axis]);
             if turns.unsigned_abs() >= most {
-                self.turns[i_axis] += turns;
+                self.turns[i_axis] = self.turns[i_axis].saturating_add(turns);
                 self.program.push(BlockKind::Rezero { i_axis, turns });
             }
         }

@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn a_feed_is_rounded_down_and_kept_between_least_and_greatest() {
-        assert_eq!(fword().per_minute(1234.567_8), 1234.56);
+        assert_eq!(fword().per_minute(1_234.567_8), 1_234.56);
         assert_eq!(fword().per_minute(21_600.0), 15_400.0);
         assert_eq!(fword().per_minute(0.000_4), 0.001);
     }

@@ -193,7 +193,7 @@ pub enum PostError {
         dialect: String,
     },
     /// A tolerance that is none.
-    #[error("the tolerance for corners is {value} mm; it must be a number greater than 0")]
+    #[error("the tolerance for corners is {value} mm; it must be a number, 0.0001 or more")]
     Tolerance {
         /// Its value.
         value: f64,

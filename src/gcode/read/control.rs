@@ -14,6 +14,9 @@ const MM_PER_INCH: f64 = 25.4;
 /// More than any dialect writes.
 const ANGLE_DECIMALS: u8 = 9;
 
+/// As many as a dialect can ask for, in milliseconds.
+const DWELL_DECIMALS: u8 = 12;
+
 /// The state of a control as far as reading depends on it.
 pub(super) struct Control<'a> {
     pub(super) program: Program,
@@ -361,7 +364,8 @@ impl<'a> Control<'a> {
             let bound = "not below 0";
             return Err((column, Problem::Range { letter: letter_name, value, bound }));
         }
-        self.push(number, BlockKind::Dwell(value * unit));
+        // Thousandths are decimals too.
+        self.push(number, BlockKind::Dwell(round_to(value * unit, DWELL_DECIMALS)));
         Ok(())
     }
 

@@ -26,13 +26,12 @@ pub(super) fn fill(line: &mut Line, bytes: &[u8]) -> Result<(), Misread> {
     }
     let names: Vec<&str> = words.iter().map(|(_, word)| word.as_str()).collect();
     match names[..] {
-        [] => Ok(()),
         ["BEGIN", "PGM", name, unit @ ("MM" | "INCH")] => begin(line, name, unit, words[2].0),
         ["END", "PGM", ..] => {
             line.percent = true;
             Ok(())
         }
-        ["CYCL", "DEF", "9.0", ..] => Ok(()),
+        [] | ["CYCL", "DEF", "9.0", ..] => Ok(()),
         ["CYCL", "DEF", "9.1", "DWELL", time] => {
             line.add_code('G', 4.0, words[0].0)?;
             add(line, 'P', time, None, words[4].0)
@@ -146,6 +145,19 @@ mod tests {
         assert_eq!(line("CYCL DEF 9.1 DWELL 0.25").unwrap().word(b'P').unwrap().0, 0.25);
         assert_eq!(line("0 BEGIN PGM HORMA0012 MM").unwrap().word(b'O').unwrap().0, 12.0);
         assert!(line("99 END PGM HORMA0012 MM").unwrap().percent);
+    }
+
+    #[test]
+    fn any_bytes_are_read_or_refused() {
+        for start in ["", "5 ", "L ", "L I", "TOOL CALL ", "TOOL CALL S", "M", "BEGIN PGM "] {
+            for byte in 0..=u8::MAX {
+                for rest in [&b""[..], b"X", b" MM", "\u{e9}".as_bytes()] {
+                    let bytes = [start.as_bytes(), &[byte], rest].concat();
+                    // An error is as good as a line; neither may panic.
+                    let _ = fill(&mut Line::default(), &bytes);
+                }
+            }
+        }
     }
 
     #[test]

@@ -18,7 +18,7 @@ use super::scan::Problem;
 use super::{Dialect, Language, Program};
 use crate::machine::Machine;
 use control::{Control, Stage};
-use phrase::Phrases;
+use phrase::{Listed, Phrases};
 use std::io::{BufRead, Read};
 
 /// The longest line the reader takes; controls take 80 to 512.
@@ -92,9 +92,13 @@ fn read_program(
             return Err(at_line((1, Problem::LineTooLong { limit: MAX_LINE })));
         }
         control.measure(line, bytes.len());
-        if let Some(kinds) = phrases.find(&bytes) {
-            kinds.into_iter().for_each(|kind| control.push(line, kind));
-            continue;
+        match phrases.find(&bytes) {
+            Some(Listed::Says(kind)) => {
+                control.push(line, kind);
+                continue;
+            }
+            Some(Listed::Part) => continue,
+            None => {}
         }
         match dialect.language {
             Language::Klartext => klartext::fill(&mut words, &bytes).map_err(at_line)?,

@@ -9,6 +9,15 @@ pub(super) struct Phrases {
     plain: Vec<u8>,
 }
 
+/// What a listed line says.
+#[derive(Debug, PartialEq)]
+pub(super) enum Listed {
+    /// This.
+    Says(BlockKind),
+    /// Nothing by itself: another line of the same phrase does.
+    Part,
+}
+
 /// One line of a dialect: what stands before its number and behind, and what it means.
 struct Phrase {
     before: Vec<u8>,
@@ -52,8 +61,8 @@ impl Phrases {
         Self { phrases: phrases.collect(), plain: Vec::new() }
     }
 
-    /// The blocks that a line of the dialect stands for; `None` if it is no such line.
-    pub(super) fn find(&mut self, line: &[u8]) -> Option<Option<BlockKind>> {
+    /// What a line says, if the dialect lists it.
+    pub(super) fn find(&mut self, line: &[u8]) -> Option<Listed> {
         if self.phrases.is_empty() {
             return None;
         }
@@ -76,7 +85,7 @@ impl Phrase {
         Self { before: solid(before), after: solid(after), has_number, meaning }
     }
 
-    fn read(&self, line: &[u8]) -> Option<Option<BlockKind>> {
+    fn read(&self, line: &[u8]) -> Option<Listed> {
         let middle = line.strip_prefix(&self.before[..])?.strip_suffix(&self.after[..])?;
         let number = if self.has_number {
             let number: f64 = str::from_utf8(middle).ok()?.parse().ok()?;
@@ -85,10 +94,12 @@ impl Phrase {
             middle.is_empty().then_some(None)?
         };
         Some(match &self.meaning {
-            Meaning::Setup(line) => Some(BlockKind::Setup(line.clone())),
-            Meaning::Smooth(usual) => Some(BlockKind::Smoothing(Some(number.unwrap_or(*usual)))),
-            Meaning::Exact => Some(BlockKind::Smoothing(None)),
-            Meaning::Part => None,
+            Meaning::Setup(line) => Listed::Says(BlockKind::Setup(line.clone())),
+            Meaning::Smooth(usual) => {
+                Listed::Says(BlockKind::Smoothing(Some(number.unwrap_or(*usual))))
+            }
+            Meaning::Exact => Listed::Says(BlockKind::Smoothing(None)),
+            Meaning::Part => Listed::Part,
         })
     }
 }
@@ -104,18 +115,18 @@ fn without_number(line: &[u8]) -> &[u8] {
 mod tests {
     use super::*;
 
-    fn found(dialect: &str, line: &str) -> Option<Option<BlockKind>> {
+    fn found(dialect: &str, line: &str) -> Option<Listed> {
         Phrases::new(&Dialect::named(dialect).unwrap()).find(line.as_bytes())
     }
 
     #[test]
     fn a_tolerance_is_read_where_the_dialect_has_it() {
-        let smooth = |tolerance| Some(Some(BlockKind::Smoothing(Some(tolerance))));
+        let smooth = |tolerance| Some(Listed::Says(BlockKind::Smoothing(Some(tolerance))));
         assert_eq!(found("linuxcnc", "n10 g64p0.02"), smooth(0.02));
         assert_eq!(found("fanuc", "G5.1 Q1"), smooth(0.01));
-        assert_eq!(found("fanuc", "G5.1 Q0"), Some(Some(BlockKind::Smoothing(None))));
+        assert_eq!(found("fanuc", "G5.1 Q0"), Some(Listed::Says(BlockKind::Smoothing(None))));
         assert_eq!(found("siemens-840d", "N20 CYCLE832(0.05,_FINISH,1)"), smooth(0.05));
-        assert_eq!(found("heidenhain", "7 CYCL DEF 32.0 TOLERANCE"), Some(None));
+        assert_eq!(found("heidenhain", "7 CYCL DEF 32.0 TOLERANCE"), Some(Listed::Part));
         assert_eq!(found("heidenhain", "8 CYCL DEF 32.1 T0.02"), smooth(0.02));
     }
 
@@ -129,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_setup_line_is_kept_as_the_dialect_has_it() {
-        let setup = Some(Some(BlockKind::Setup("SOFT".into())));
+        let setup = Some(Listed::Says(BlockKind::Setup("SOFT".into())));
         assert_eq!(found("siemens-840d", "n40 soft"), setup);
     }
 }
