@@ -1,7 +1,7 @@
 //! The words of one line, sorted by what they mean; nothing is carried out here.
 
-use super::scan::{Problem, Scanner, Token, Turning};
-use super::{Coolant, Language, MillimetreWord, Mode, Modes, Motion, SpindleRun};
+use super::scan::{Scanner, Token, Turning};
+use super::{Coolant, Language, MillimetreWord, Mode, Modes, Motion, Problem, SpindleRun};
 
 /// The words of a line. Filled again and again, so that a long program allocates nothing per line.
 #[derive(Default)]

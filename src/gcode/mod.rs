@@ -14,6 +14,7 @@ mod line;
 mod modes;
 mod number;
 mod post;
+mod problem;
 mod program;
 mod read;
 mod replay;
@@ -31,6 +32,7 @@ pub use dialect::{
 pub use feeds::FeedLaw;
 pub use modes::{Mode, Modes};
 pub use post::{Header, Operation, PostError, PostWarning, Posted, post, post_operations};
+pub use problem::Problem;
 pub use program::{
     Address, Block, BlockKind, Coolant, LongestLine, Motion, MoveWords, Program, Spindle,
     SpindleRun,
@@ -38,6 +40,5 @@ pub use program::{
 pub use read::{ReadError, read};
 pub use replay::{Position, Step, StepKind, Steps};
 pub use restart::{RestartError, restart};
-pub use scan::Problem;
 pub use split::{SplitError, split};
 pub use write::write;

@@ -1,7 +1,8 @@
 //! Lines of Heidenhain's plain text as the words they stand for.
 
+use crate::gcode::Problem;
 use crate::gcode::line::Line;
-use crate::gcode::scan::{Problem, Turning};
+use crate::gcode::scan::Turning;
 
 type Misread = (u32, Problem);
 

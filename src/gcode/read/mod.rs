@@ -14,8 +14,7 @@ mod phrase;
 
 use super::line::Line;
 
-use super::scan::Problem;
-use super::{Dialect, Language, Program};
+use super::{Dialect, Language, Problem, Program};
 use crate::machine::Machine;
 use control::{Control, Stage};
 use phrase::{Listed, Phrases};
