@@ -9,29 +9,36 @@
 
 mod check;
 mod dialect;
+mod feeds;
 mod line;
 mod modes;
 mod number;
 mod post;
+mod problem;
 mod program;
 mod read;
 mod replay;
 mod restart;
 mod scan;
+mod split;
 mod write;
 
 pub use check::{AxisBounds, BlockRate, CheckReport, PlannedTime, Violation, ViolationKind, check};
 pub use dialect::{
-    CommentStyle, Decimals, Dialect, DialectError, EndWord, FeedWords, InverseTime, Numbering,
-    Rotary,
+    CommentStyle, Decimals, Dialect, DialectError, DwellWord, DwellWords, EndWord, FeedLength,
+    FeedWords, InverseTime, Language, MillimetreWord, Numbering, Rotary, Smoothing, Tape, TimeUnit,
+    ToolChange,
 };
+pub use feeds::FeedLaw;
 pub use modes::{Mode, Modes};
-pub use post::{Header, PostError, PostWarning, Posted, post};
+pub use post::{Header, Operation, PostError, PostWarning, Posted, post, post_operations};
+pub use problem::Problem;
 pub use program::{
-    Address, Block, BlockKind, LongestLine, Motion, MoveWords, Program, Spindle, SpindleRun,
+    Address, Block, BlockKind, Coolant, LongestLine, Motion, MoveWords, Program, Spindle,
+    SpindleRun,
 };
 pub use read::{ReadError, read};
 pub use replay::{Position, Step, StepKind, Steps};
 pub use restart::{RestartError, restart};
-pub use scan::Problem;
+pub use split::{SplitError, split};
 pub use write::write;

@@ -1,5 +1,7 @@
 //! The modal words a program can rely on.
 
+use super::MillimetreWord;
+
 /// A modal state of the control that a [`Program`](super::Program) can ask for.
 ///
 /// Inches and increments are missing on purpose: the reader turns them into millimetres and
@@ -40,10 +42,10 @@ impl Mode {
         Self::WorkOffset,
     ];
 
-    /// The word for it.
-    pub fn word(self) -> &'static str {
+    /// The word for it, where millimetres are called `millimetres`.
+    pub fn word(self, millimetres: MillimetreWord) -> &'static str {
         match self {
-            Self::Millimetres => "G21",
+            Self::Millimetres => millimetres.word(),
             Self::Absolute => "G90",
             Self::PerMinute => "G94",
             Self::InverseTime => "G93",
@@ -115,7 +117,7 @@ mod tests {
     fn a_feed_mode_replaces_the_other_and_nothing_else() {
         let mut modes: Modes = [Mode::Absolute, Mode::PerMinute].into_iter().collect();
         modes.set(Mode::InverseTime);
-        let words: Vec<_> = modes.iter().map(Mode::word).collect();
+        let words: Vec<_> = modes.iter().map(|mode| mode.word(MillimetreWord::G21)).collect();
         assert_eq!(words, ["G90", "G93"]);
     }
 }

@@ -23,6 +23,30 @@ pub(super) fn floor_to_digits(value: f64, digits: u8) -> f64 {
     }
 }
 
+/// The greatest number of `digits` significant digits and at most `decimals` places that is not
+/// above the positive `value`; it can be 0.
+pub(super) fn floor_to(value: f64, digits: u8, decimals: u8) -> f64 {
+    if decimals_for(value, digits) <= i32::from(decimals) {
+        return floor_to_digits(value, digits);
+    }
+    let scale = 10_f64.powi(i32::from(decimals));
+    (value * (1.0 + 4.0 * f64::EPSILON) * scale).floor() / scale
+}
+
+/// The least number of `digits` significant digits and at most `decimals` places that is not below
+/// the positive `value`.
+pub(super) fn ceil_to(value: f64, digits: u8, decimals: u8) -> f64 {
+    let places = decimals_for(value, digits).min(i32::from(decimals));
+    let nudged = value * (1.0 - 4.0 * f64::EPSILON);
+    if places >= 0 {
+        let scale = 10_f64.powi(places);
+        (nudged * scale).ceil() / scale
+    } else {
+        let scale = 10_f64.powi(-places);
+        (nudged / scale).ceil() * scale
+    }
+}
+
 /// Appends `value` with at most `decimals` places, trailing zeros cut but for one: `12.5`, `-3.0`.
 pub(super) fn push_fixed(text: &mut Vec<u8>, value: f64, decimals: u8) {
     let scaled = (value * 10_f64.powi(i32::from(decimals))).round();
@@ -38,9 +62,11 @@ pub(super) fn push_fixed(text: &mut Vec<u8>, value: f64, decimals: u8) {
     push_scaled(text, scaled.abs() as u64, usize::from(decimals));
 }
 
-/// Appends the positive `value` with `digits` significant digits.
-pub(super) fn push_digits(text: &mut Vec<u8>, value: f64, digits: u8) {
-    push_fixed(text, value, decimals_for(value, digits).clamp(0, 15) as u8);
+/// Appends the positive `value` with `digits` significant digits, but one place at least and
+/// `decimals` at most.
+pub(super) fn push_digits(text: &mut Vec<u8>, value: f64, digits: u8, decimals: u8) {
+    let places = decimals_for(value, digits).clamp(1, i32::from(decimals).max(1));
+    push_fixed(text, value, places as u8);
 }
 
 /// Places after the point that leave `digits` significant digits; negative left of the point.
@@ -79,7 +105,7 @@ mod tests {
 
     fn digits(value: f64, n_digits: u8) -> String {
         let mut text = Vec::new();
-        push_digits(&mut text, value, n_digits);
+        push_digits(&mut text, value, n_digits, 9);
         String::from_utf8(text).unwrap()
     }
 
@@ -118,9 +144,19 @@ mod tests {
     }
 
     #[test]
+    fn feeds_have_no_more_places_than_the_control_reads() {
+        assert_eq!(floor_to(0.012_345, 4, 3), 0.012);
+        assert_eq!(floor_to(0.000_9, 4, 3), 0.0);
+        assert_eq!(floor_to(12_345.6, 4, 3), 12_340.0);
+        assert_eq!(ceil_to(0.012_345, 6, 4), 0.0124);
+        assert_eq!(ceil_to(0.25, 6, 4), 0.25);
+        assert_eq!(ceil_to(123_456.7, 4, 4), 123_500.0);
+    }
+
+    #[test]
     fn feeds_are_written_with_their_digits() {
         assert_eq!(digits(21_600.0, 6), "21600.0");
         assert_eq!(digits(0.012_345_6, 6), "0.0123456");
-        assert_eq!(digits(123_456_000.0, 6), "123456000");
+        assert_eq!(digits(123_456_000.0, 6), "123456000.0");
     }
 }

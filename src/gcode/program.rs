@@ -1,6 +1,7 @@
 //! A program: blocks in order, compact enough to hold a million of them.
 
-use super::Modes;
+use super::feeds::FeedLaw;
+use super::{Dialect, Modes};
 use crate::machine::{AxisKind, MAX_AXES, Machine};
 
 /// A program for one machine.
@@ -8,6 +9,8 @@ use crate::machine::{AxisKind, MAX_AXES, Machine};
 pub struct Program {
     /// The axes its words stand for: those of the machine it was posted or read for, in that order.
     pub axes: Vec<Address>,
+    /// What its F words mean.
+    pub feeds: FeedLaw,
     /// What it says, in the order it is carried out.
     pub blocks: Vec<Block>,
     /// The longest line of the text it was read from, if it was read.
@@ -46,19 +49,35 @@ pub struct Block {
 pub enum BlockKind {
     /// A remark for people.
     Comment(Box<str>),
+    /// What the program is called: an O word, or the number in its name.
+    Number(u32),
     /// Modal words.
     Modes(Modes),
+    /// A line that only its control understands; its dialect lists it.
+    Setup(Box<str>),
+    /// Round corners off by no more than this [mm]; `None` switches it off again.
+    Smoothing(Option<f64>),
     /// Put this tool into the spindle.
     ToolChange(u32),
     /// Run or stop the spindle, or set its speed.
     Spindle(Spindle),
+    /// Open or close the coolant.
+    Coolant(Coolant),
     /// The feed from here on [mm/min], without a move.
     Feed(f64),
     /// Stand still [s].
     Dwell(f64),
     /// Move.
     Move(MoveWords),
-    /// The `%` that begins or ends a tape.
+    /// Take whole turns off what the position of a rotary axis is called from here on. Words of
+    /// a [`Program`] count on all the same: only its text has them shorter.
+    Rezero {
+        /// The axis.
+        i_axis: usize,
+        /// How many turns.
+        turns: i32,
+    },
+    /// What begins or ends a tape: `%`, or the `END PGM` of Klartext.
     Percent,
     /// The end of the program.
     End,
@@ -82,6 +101,20 @@ pub enum SpindleRun {
     CounterClockwise,
     /// Stop.
     Stop,
+}
+
+/// What cools the cut.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Coolant {
+    /// Nothing.
+    Off,
+    /// Mist or air.
+    Mist,
+    /// Flood.
+    Flood,
 }
 
 /// How a move is made.
@@ -150,10 +183,11 @@ impl MoveWords {
 }
 
 impl Program {
-    /// A program for `machine`, without blocks yet.
-    pub fn for_machine(machine: &Machine) -> Self {
+    /// A program for `machine` in `dialect`, without blocks yet.
+    pub fn for_machine(machine: &Machine, dialect: &Dialect) -> Self {
         let axes = machine.axes.iter().map(|axis| Address { letter: axis.letter, kind: axis.kind });
-        Self { axes: axes.take(MAX_AXES).collect(), ..Self::default() }
+        let axes = axes.take(MAX_AXES).collect();
+        Self { axes, feeds: dialect.feed_law(), ..Self::default() }
     }
 
     /// Appends a block on a line of its own.
@@ -189,19 +223,6 @@ impl Address {
     }
 }
 
-/// The length a control applies F to, between two sets of words: of X, Y and Z if they move, else
-/// of U, V and W, else of the rotary axes in degrees (RS274/NGC, `find_straight_length`).
-pub(super) fn fed_length(axes: &[Address], ways: impl Fn(usize) -> f64) -> f64 {
-    let length = |letters: &str| {
-        let named = axes.iter().enumerate().filter(|(_, axis)| letters.contains(axis.letter));
-        named.map(|(i_axis, _)| ways(i_axis).powi(2)).sum::<f64>().sqrt()
-    };
-    // Differences of decimals are not exactly zero; the interpreter draws the line here too.
-    let moves = |length: &f64| *length > 1e-7;
-    let groups = ["XYZ", "UVW", "ABC"];
-    groups.iter().map(|letters| length(letters)).find(moves).unwrap_or(0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -217,15 +238,5 @@ mod tests {
         assert_eq!((words.axis(0), words.axis(2), words.feed()), (None, Some(0.0), Some(5.0)));
         assert!(words.names_an_axis());
         assert!(!MoveWords::new(Motion::Feed).with_feed(5.0).names_an_axis());
-    }
-
-    #[test]
-    fn feed_applies_to_the_linear_part_and_to_degrees_only_without_one() {
-        let axis = |letter, kind| Address { letter, kind };
-        let axes =
-            [axis('X', AxisKind::Linear), axis('Y', AxisKind::Linear), axis('A', AxisKind::Rotary)];
-        assert_eq!(fed_length(&axes, |i| [3.0, 4.0, 90.0][i]), 5.0);
-        assert_eq!(fed_length(&axes, |i| [0.0, 0.0, 90.0][i]), 90.0);
-        assert_eq!(fed_length(&axes, |_| 0.0), 0.0);
     }
 }

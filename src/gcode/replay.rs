@@ -1,6 +1,5 @@
 //! A program carried out move by move, with the time each takes.
 
-use super::program::fed_length;
 use super::{BlockKind, Mode, Motion, MoveWords, Program, SpindleRun};
 use crate::machine::{AxisValues, MAX_AXES, Machine};
 
@@ -161,8 +160,10 @@ impl Steps<'_> {
 
     fn fed_time(&self, before: &Position) -> Option<f64> {
         let feed = self.feed?;
-        let length = fed_length(&self.program.axes, |i_axis| self.way(before, i_axis));
-        let minutes = if self.inverse_time { 1.0 / feed } else { length / feed };
-        Some(minutes * 60.0)
+        let Program { feeds, axes, .. } = self.program;
+        if self.inverse_time {
+            return Some(feeds.inverse_seconds(feed));
+        }
+        Some(60.0 * feeds.length(axes, |i_axis| self.way(before, i_axis)) / feed)
     }
 }

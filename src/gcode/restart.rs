@@ -1,6 +1,9 @@
 //! A program that takes up another one in its midst.
 
-use super::{BlockKind, Mode, Modes, Motion, MoveWords, Position, Program, Spindle, StepKind};
+use super::number::round_to;
+use super::{
+    BlockKind, Coolant, Mode, Modes, Motion, MoveWords, Position, Program, Spindle, StepKind,
+};
 use crate::machine::{MAX_AXES, Machine};
 
 /// Why a program cannot be taken up where it should be.
@@ -39,7 +42,8 @@ pub enum RestartError {
 ///
 /// The attack axis goes first, to the farthest word `program` takes it to; then tool and spindle as
 /// they were there, the other axes to where they stood before `line`, and a plunge at `plunge_feed`
-/// [mm/min], or else at the feed of the nearest G94 move, at or before `line` if there is one.
+/// [mm/min], or else at the feed of the nearest G94 move, at or before `line` if there is one. Where
+/// whole turns were taken off an axis, angles are called as they were there.
 pub fn restart(
     program: &Program,
     machine: &Machine,
@@ -52,11 +56,12 @@ pub fn restart(
         Some(feed) => return Err(RestartError::PlungeFeed { feed }),
         None => return Err(RestartError::NoPlungeFeed),
     };
-    let mut rest = Program { axes: program.axes.clone(), ..Program::default() };
+    let (axes, feeds) = (program.axes.clone(), program.feeds);
+    let mut rest = Program { axes, feeds, ..Program::default() };
     scene.open(&mut rest, program, line);
     scene.approach(&mut rest, machine.attack, plunge_feed);
     for block in &program.blocks[scene.i_block..] {
-        rest.push(block.kind.clone());
+        rest.push(scene.renamed(&block.kind));
     }
     Ok(rest)
 }
@@ -66,6 +71,11 @@ struct Scene {
     /// The block.
     i_block: usize,
     modes: Modes,
+    setup: Vec<Box<str>>,
+    smoothing: Option<f64>,
+    coolant: Option<Coolant>,
+    /// How many turns were taken off each axis.
+    turns: [i32; MAX_AXES],
     /// The modal feed, under G94.
     feed: Option<f64>,
     plunge_feed: Option<f64>,
@@ -88,6 +98,10 @@ impl Scene {
         let mut scene = Self {
             i_block,
             modes: Modes::default(),
+            setup: Vec::new(),
+            smoothing: None,
+            coolant: None,
+            turns: [0; MAX_AXES],
             feed: None,
             plunge_feed: None,
             tool: None,
@@ -101,7 +115,7 @@ impl Scene {
         }
         for (i_axis, axis) in program.axes.iter().enumerate() {
             let unplaced = RestartError::NotPlaced { line, axis: axis.letter };
-            scene.at[i_axis] = words[i_axis].ok_or(unplaced)?;
+            scene.at[i_axis] = scene.renamed_word(i_axis, words[i_axis].ok_or(unplaced)?);
         }
         scene.plunge_feed = scene.plunge_feed.or_else(|| first_plunge_feed(program));
         Ok(scene)
@@ -135,15 +149,48 @@ impl Scene {
                     self.plunge_feed = self.feed.or(self.plunge_feed);
                 }
             }
-            BlockKind::Comment(_) | BlockKind::Dwell(_) | BlockKind::Percent | BlockKind::End => {}
+            BlockKind::Setup(line) => self.setup.push(line.clone()),
+            BlockKind::Smoothing(tolerance) => self.smoothing = *tolerance,
+            BlockKind::Coolant(coolant) => {
+                self.coolant = Some(*coolant).filter(|coolant| *coolant != Coolant::Off);
+            }
+            BlockKind::Rezero { i_axis, turns } => self.turns[*i_axis] += turns,
+            BlockKind::Comment(_)
+            | BlockKind::Number(_)
+            | BlockKind::Dwell(_)
+            | BlockKind::Percent
+            | BlockKind::End => {}
+        }
+    }
+
+    /// A block with its angles as they are called once turns were taken off.
+    fn renamed(&self, kind: &BlockKind) -> BlockKind {
+        match kind {
+            BlockKind::Move(words) if self.turns != [0; MAX_AXES] => {
+                let named = (0..MAX_AXES).filter_map(|i| Some((i, words.axis(i)?)));
+                BlockKind::Move(named.fold(*words, |words, (i_axis, word)| {
+                    words.with_axis(i_axis, self.renamed_word(i_axis, word))
+                }))
+            }
+            other => other.clone(),
+        }
+    }
+
+    fn renamed_word(&self, i_axis: usize, word: f64) -> f64 {
+        match self.turns[i_axis] {
+            0 => word,
+            // Differences of decimals are decimals again.
+            turns => round_to(word - 360.0 * f64::from(turns), 9),
         }
     }
 
     /// Comments and modes, feeds per minute.
     fn open(&self, rest: &mut Program, program: &Program, line: u32) {
         let kinds = program.blocks.iter().map(|block| &block.kind);
-        let head =
-            kinds.take_while(|kind| matches!(kind, BlockKind::Comment(_) | BlockKind::Percent));
+        let opens = |kind: &&BlockKind| {
+            matches!(kind, BlockKind::Comment(_) | BlockKind::Percent | BlockKind::Number(_))
+        };
+        let head = kinds.take_while(opens);
         for kind in head.take(self.i_block) {
             rest.push(kind.clone());
         }
@@ -152,6 +199,12 @@ impl Scene {
         modes.set_all(self.modes);
         modes.set(Mode::PerMinute);
         rest.push(BlockKind::Modes(modes));
+        for line in &self.setup {
+            rest.push(BlockKind::Setup(line.clone()));
+        }
+        if self.smoothing.is_some() {
+            rest.push(BlockKind::Smoothing(self.smoothing));
+        }
     }
 
     /// The way to where the program is taken up, and the feed mode it goes on in.
@@ -164,6 +217,9 @@ impl Scene {
         }
         if self.spindle != (Spindle { speed_rpm: None, run: None }) {
             rest.push(BlockKind::Spindle(self.spindle));
+        }
+        if let Some(coolant) = self.coolant {
+            rest.push(BlockKind::Coolant(coolant));
         }
         // A tool change may have moved the machine anywhere.
         rest.push(retract);
@@ -183,7 +239,7 @@ impl Scene {
 }
 
 /// The attack word farthest from the part that the program takes the axis to.
-fn farthest(program: &Program, machine: &Machine) -> f64 {
+pub(super) fn farthest(program: &Program, machine: &Machine) -> f64 {
     let away = machine.axes.get(machine.attack).map_or(1.0, |axis| axis.sign);
     let words = program.blocks.iter().filter_map(|block| match &block.kind {
         BlockKind::Move(words) => words.axis(machine.attack),

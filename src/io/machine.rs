@@ -1,5 +1,6 @@
-//! Machine files and tool libraries from disk, or those that come with horma.
+//! Machine files, dialects and tool libraries from disk, or those that come with horma.
 
+use crate::gcode::{Dialect, DialectError};
 use crate::machine::{Machine, MachineError};
 use crate::tool::{ToolError, ToolLibrary};
 use std::fs::File;
@@ -14,8 +15,8 @@ const LARGEST: u64 = 1 << 20;
 pub enum DescriptionError {
     /// The system refused.
     #[error(
-        "cannot read {path:?}: {problem}; check the path (`horma machine list` and `horma tool list` \
-         name what needs none)"
+        "cannot read {path:?}: {problem}; check the path (`horma machine list`, `horma dialect list` \
+         and `horma tool list` name what needs none)"
     )]
     System {
         /// The file.
@@ -24,7 +25,7 @@ pub enum DescriptionError {
         problem: std::io::Error,
     },
     /// The file is no description of anything.
-    #[error("{path:?} is larger than 1 MiB: that is no machine file and no tool library")]
+    #[error("{path:?} is larger than 1 MiB: that is no machine, no dialect and no tool library")]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -43,6 +44,9 @@ pub enum DescriptionError {
     /// What it says makes no tool library.
     #[error(transparent)]
     Tool(#[from] ToolError),
+    /// What it says makes no dialect.
+    #[error(transparent)]
+    Dialect(#[from] DialectError),
 }
 
 /// The machine called `name_or_path`: one that comes with horma, or a file.
@@ -59,6 +63,20 @@ pub fn read_machine(name_or_path: &str) -> Result<Machine, DescriptionError> {
 pub fn read_machine_text(name_or_path: &str) -> Result<String, DescriptionError> {
     if !is_path(name_or_path) {
         return Ok(Machine::builtin_text(name_or_path)?.to_owned());
+    }
+    read_text(Path::new(name_or_path))
+}
+
+/// The dialect called `name_or_path`: one that comes with horma, or a file, as for
+/// [`read_machine`].
+pub fn read_dialect(name_or_path: &str) -> Result<Dialect, DescriptionError> {
+    Ok(Dialect::parse(&read_dialect_text(name_or_path)?, name_or_path)?)
+}
+
+/// The text that describes the dialect [`read_dialect`] reads.
+pub fn read_dialect_text(name_or_path: &str) -> Result<String, DescriptionError> {
+    if !is_path(name_or_path) {
+        return Ok(Dialect::text_named(name_or_path)?.to_owned());
     }
     read_text(Path::new(name_or_path))
 }
@@ -112,6 +130,20 @@ mod tests {
     }
 
     #[test]
+    fn a_dialect_is_read_by_name_or_from_a_file_and_mistakes_have_a_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.toml");
+        let text = read_dialect_text("fanuc").unwrap();
+        std::fs::write(&path, text.replace("\"fanuc\"", "\"mine\"")).unwrap();
+        let mine = read_dialect(path.to_str().unwrap()).unwrap();
+        assert_eq!(Dialect { name: "fanuc".into(), ..mine }, read_dialect("fanuc").unwrap());
+        std::fs::write(&path, "nam = 1\n").unwrap();
+        let message = read_dialect(path.to_str().unwrap()).unwrap_err().to_string();
+        let place = format!("{}:1:1: unknown field `nam`", path.display());
+        assert!(message.starts_with(&place), "{message}");
+    }
+
+    #[test]
     fn an_unknown_machine_is_answered_with_the_nearest_and_all_names() {
         assert_eq!(
             read_machine("last-lath").unwrap_err().to_string(),
@@ -125,7 +157,7 @@ mod tests {
     fn a_missing_file_is_named_with_what_to_do() {
         let message = read_machine("nowhere/lathe.toml").unwrap_err().to_string();
         assert!(message.starts_with("cannot read \"nowhere/lathe.toml\": "), "{message}");
-        assert!(message.contains("; check the path (`horma machine list`"), "{message}");
+        assert!(message.contains("; check the path (`horma machine list`,"), "{message}");
     }
 
     #[test]

@@ -31,7 +31,9 @@ pub use fault::{Fault, Place, ReadError};
 pub use folder::create_folder;
 pub use format::Format;
 pub use job::{JobError, JobFile, read_job};
-pub use machine::{DescriptionError, read_machine, read_machine_text, read_tools};
+pub use machine::{
+    DescriptionError, read_dialect, read_dialect_text, read_machine, read_machine_text, read_tools,
+};
 pub use output::{Overwrite, WriteError, write_file};
 pub use output_set::OutputSet;
 pub use program::{ReadProgramError, read_program, write_program};

@@ -28,11 +28,15 @@ pub enum ReadProgramError {
     },
 }
 
-/// Reads the program in `path` for `machine`.
-pub fn read_program(path: &Path, machine: &Machine) -> Result<Program, ReadProgramError> {
+/// Reads the program in `path` for `machine`, written in `dialect`.
+pub fn read_program(
+    path: &Path,
+    machine: &Machine,
+    dialect: &Dialect,
+) -> Result<Program, ReadProgramError> {
     let file = File::open(path)
         .map_err(|problem| ReadProgramError::Open { path: path.into(), problem })?;
-    gcode::read(&mut BufReader::new(file), machine)
+    gcode::read(&mut BufReader::new(file), machine, dialect)
         .map_err(|problem| ReadProgramError::Content { path: path.into(), problem })
 }
 
@@ -74,11 +78,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("still.ngc");
         let dialect = Dialect::named("linuxcnc").unwrap();
-        let mut program = Program::for_machine(&still_machine());
+        let mut program = Program::for_machine(&still_machine(), &dialect);
         program.push(gcode::BlockKind::ToolChange(3));
         program.push(gcode::BlockKind::End);
         write_program(&path, Overwrite::Refuse, &program, &dialect).unwrap();
-        let back = read_program(&path, &still_machine()).unwrap();
+        let back = read_program(&path, &still_machine(), &dialect).unwrap();
         assert_eq!(back.blocks, program.blocks);
         let refusal = write_program(&path, Overwrite::Refuse, &program, &dialect).unwrap_err();
         assert!(matches!(refusal, WriteError::Exists { .. }), "{refusal}");
@@ -89,10 +93,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("arc.ngc");
         std::fs::write(&path, "T1 M6\nG3 I5\n").unwrap();
-        let message = read_program(&path, &still_machine()).unwrap_err().to_string();
+        let dialect = Dialect::named("linuxcnc").unwrap();
+        let message = read_program(&path, &still_machine(), &dialect).unwrap_err().to_string();
         let place = format!("{}: line 2, column 1: G3 arcs are not read yet", path.display());
         assert!(message.starts_with(&place), "{message}");
-        let missing = read_program(&folder.path().join("none.ngc"), &still_machine());
+        let missing = read_program(&folder.path().join("none.ngc"), &still_machine(), &dialect);
         let message = missing.unwrap_err().to_string();
         assert!(message.starts_with("cannot open ") && message.contains("none.ngc"), "{message}");
     }

@@ -3,7 +3,7 @@
 use crate::command::horma;
 use crate::jobs::small_last;
 use crate::parts::Folder;
-use horma::gcode::{Program, StepKind};
+use horma::gcode::{Dialect, Program, StepKind};
 use horma::geom::{Surface, TriMesh, shapes};
 use horma::io::{Overwrite, read_program, write_surface};
 use horma::machine::Machine;
@@ -129,13 +129,14 @@ fn the_demo_ends_well_and_its_program_can_be_checked_and_taken_up_again() {
     assert_eq!(told.status.code(), Some(0), "{}", said(&told));
 
     let machine = Machine::builtin(LATHE).unwrap();
-    let whole = read_program(&program, &machine).unwrap();
+    let linuxcnc = Dialect::named("linuxcnc").unwrap();
+    let whole = read_program(&program, &machine, &linuxcnc).unwrap();
     let line = whole.blocks[whole.blocks.len() / 2].line.to_string();
     let restart = ["restart", text(&program), "-m", LATHE, "--line", &line, "-o", text(&rest)];
     let told = horma(&restart);
     assert_eq!(told.status.code(), Some(0), "{}", said(&told));
     assert_eq!(horma(&["check", text(&rest), "-m", LATHE]).status.code(), Some(0));
-    let rest = ends(&read_program(&rest, &machine).unwrap(), &machine);
+    let rest = ends(&read_program(&rest, &machine, &linuxcnc).unwrap(), &machine);
     let whole = ends(&whole, &machine);
     let from: u32 = line.parse().unwrap();
     let left = whole.iter().filter(|(at, _)| from <= *at).map(|(_, end)| *end).collect::<Vec<_>>();

@@ -40,7 +40,8 @@ pub(crate) fn try_cut(
 
 /// The program of a plan, read by our reader.
 pub(crate) fn program_of(plan: &Plan, machine: &Machine) -> Program {
-    read(&mut plan.text.as_slice(), machine).unwrap()
+    let dialect = Dialect::named(&machine.dialect).unwrap();
+    read(&mut plan.text.as_slice(), machine, &dialect).unwrap()
 }
 
 /// Where each feed move of the plan's program ends, words in millimetres and degrees; the first is

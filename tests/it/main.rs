@@ -6,6 +6,8 @@ mod cam_paths;
 mod cam_refusals;
 mod chirality;
 mod command;
+mod dialect_command;
+mod dialects;
 mod digitize;
 mod digitize_cases;
 mod digitize_foot;

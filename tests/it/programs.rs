@@ -4,14 +4,18 @@ use crate::small_machines::{lathe, mill, pair, random_path, values, wheel};
 use horma::cam::{Move, Pace, Toolpath};
 use horma::gcode::{
     BlockKind, CommentStyle, Dialect, Header, Numbering, PostError, Posted, Program, Step,
-    StepKind, ViolationKind, check, post, read, restart, write,
+    StepKind, Tape, ViolationKind, check, post, read, restart, write,
 };
 use horma::machine::{AxisKind, Machine};
 use std::fmt::Write;
 
 #[test]
 fn a_short_path_becomes_this_program() {
-    let header = Header { lines: vec!["part: a last (left)".into()], stock: Some(12.5) };
+    let header = Header {
+        lines: vec!["part: a last (left)".into()],
+        stock: Some(12.5),
+        ..Header::default()
+    };
     let posted = post(&short_path(), &lathe(), &wheel(), &linuxcnc(), &header).unwrap();
     let expected = "\
 (part: a last [left])
@@ -23,6 +27,7 @@ fn a_short_path_becomes_this_program() {
 (assumes at most 12.50 mm of stock)
 G21 G90 G94 G17 G40 G49 G80
 G54
+G64 P0.01
 G0 Y150.0
 T7 M6
 S6000.0 M4
@@ -48,7 +53,7 @@ fn every_program_reads_back_as_it_was_posted() {
     let numbered = Dialect {
         block_numbers: Some(Numbering { step: 5, last: 1000 }),
         comment: CommentStyle::Semicolon,
-        percent: true,
+        tape: Tape::Percent,
         ..linuxcnc()
     };
     for machine in [lathe(), pair(), mill()] {
@@ -161,13 +166,11 @@ fn the_clear_position_has_limits_too() {
 }
 
 #[test]
-fn a_control_without_inverse_time_turns_nothing_in_a_given_time() {
+fn a_control_without_inverse_time_gets_the_feed_of_the_length_it_measures() {
     let plain = Dialect { inverse_time: None, name: "plain".into(), ..linuxcnc() };
-    let error = post(&short_path(), &lathe(), &wheel(), &plain, &Header::default()).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "move 2 turns A in a given time, but plain has no inverse time (G93)"
-    );
+    let turned = text(&posted(&short_path(), &lathe(), &plain).program, &plain);
+    // A millimetre beside the turn in a second, then half a one in a second and a half.
+    assert!(turned.contains("G1 X11.0 A-360.0 F60.0\nG1 Y70.5 A-720.0 F20.0\n"), "{turned}");
     // Linear moves with a duration become a feed.
     let path = random_path(&mill(), 300, 5);
     let program = posted(&path, &mill(), &plain).program;
@@ -288,8 +291,9 @@ fn a_program_taken_up_in_its_midst_approaches_safely() {
 (A: -720.0000 to 0.0000 deg)
 (time: 0:00:07 h, without acceleration)
 (moves: 8)
-(taken up at line 16)
+(taken up at line 17)
 G21 G90 G94 G17 G40 G49 G80 G54
+G64 P0.01
 G0 Y150.0
 T7 M6
 S6000.0 M4
@@ -339,8 +343,8 @@ fn where_a_program_cannot_be_taken_up_the_reason_is_given() {
         refusal(2, None),
         "line 2 stands before the program has placed X; run the program from its start"
     );
-    assert_eq!(refusal(99, None), "nothing is cut from line 99 on; the last cut is in line 19");
-    assert_eq!(refusal(15, Some(0.0)), "the plunge feed 0 mm/min must be a number greater than 0");
+    assert_eq!(refusal(99, None), "nothing is cut from line 99 on; the last cut is in line 20");
+    assert_eq!(refusal(16, Some(0.0)), "the plunge feed 0 mm/min must be a number greater than 0");
     let timed = reread("G0 Y150\nG0 X0 A0\nG93\nG1 X1 F6\nG1 X2 F6\nM30\n", &lathe());
     assert_eq!(
         restart(&timed, &lathe(), 5, None).unwrap_err().to_string(),
@@ -413,7 +417,7 @@ fn text(program: &Program, dialect: &Dialect) -> String {
 }
 
 fn reread(text: &str, machine: &Machine) -> Program {
-    read(&mut text.as_bytes(), machine).unwrap()
+    read(&mut text.as_bytes(), machine, &linuxcnc()).unwrap()
 }
 
 fn line_of(program: &Program, start: &str) -> u32 {

@@ -1,8 +1,8 @@
 //! Roughing programs against closed forms.
 
-use crate::jobs::WHEEL;
+use crate::jobs::{WHEEL, program_of};
 use horma::cam::{Block, Strategy};
-use horma::gcode::{Dialect, StepKind, read};
+use horma::gcode::{Dialect, StepKind};
 use horma::geom::{Surface, TriMesh, shapes};
 use horma::machine::Machine;
 use horma::progress::Silent;
@@ -50,7 +50,7 @@ fn options() -> CamOptions {
 /// The words of all moves in order, with their kinds.
 fn moves(plan: &Plan) -> Vec<(StepKind, [f64; 6])> {
     let machine = Machine::builtin("last-lathe").unwrap();
-    let program = read(&mut plan.text.as_slice(), &machine).unwrap();
+    let program = program_of(plan, &machine);
     let steps = program.steps(&machine);
     steps.filter_map(|step| Some((step.kind, step.values(&program)?))).collect()
 }

@@ -3,7 +3,7 @@
 use crate::jobs::{cut, program_of, try_cut};
 use crate::parts::real;
 use horma::cam::{Drive, Motion, Strategy, drives, time_motion};
-use horma::gcode::{check, read};
+use horma::gcode::{Dialect, check, read};
 use horma::geom::{LengthUnit, shapes};
 use horma::io::read_surface;
 use horma::machine::Machine;
@@ -202,7 +202,7 @@ fn a_program_takes_the_time_of_its_ramps_too() {
     // Y: 30 mm down at 10 mm/s, v / a = 2 ms; up at 500 mm/s, which 30 mm do not suffice for.
     let text = "G21 G90 G94\nG0 Y100\nG0 X0 A0\nS1 M3\nG1 Y70 F600\nG4 P0.5\nG0 Y100\nM5\nM30\n";
     let machine = Machine::builtin(LATHE).unwrap();
-    let report = check(&read(&mut text.as_bytes(), &machine).unwrap(), &machine);
+    let report = check(&read(&mut text.as_bytes(), &machine, &linuxcnc()).unwrap(), &machine);
     let planned = report.planned;
     assert!((planned.cutting - 3.002).abs() < 1e-9, "{planned}");
     assert!((planned.retreat - 2.0 * (30.0_f64 / 5_000.0).sqrt()).abs() < 1e-9, "{planned}");
@@ -223,7 +223,7 @@ fn a_program_that_asks_too_much_is_told_by_how_much_and_why() {
         writeln!(text, "G1 X{x:.4} Y{y:.4} A{:.4} F{feed}", a.to_degrees()).unwrap();
     }
     text += "G94\nM5\nM30\n";
-    let report = check(&read(&mut text.as_bytes(), &machine).unwrap(), &machine);
+    let report = check(&read(&mut text.as_bytes(), &machine, &linuxcnc()).unwrap(), &machine);
     let most = report.slowed[0];
     assert!(most.is_worth_telling(report.planned.total()), "{most}");
     let (programmed, planned) = (report.feed_seconds, report.planned.cutting);
@@ -262,4 +262,8 @@ fn a_rotation_is_for_strategies_that_turn_the_part() {
     let part = horma::geom::Surface::Mesh(shapes::chiral(500));
     let told = try_cut(part, LATHE, &options).unwrap_err().to_string();
     assert!(told.contains("Lines does not turn it while cutting; use --feed"), "{told}");
+}
+
+fn linuxcnc() -> Dialect {
+    Dialect::named("linuxcnc").unwrap()
 }

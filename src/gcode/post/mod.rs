@@ -6,24 +6,42 @@
 //! while words are rounded is told in `body.rs`.
 
 mod body;
+mod error;
+mod fword;
 
 use super::check::{AxisBounds, CheckReport, check};
 use super::number::round_to;
-use super::write::{SPEED_DECIMALS, comment_lines, longest_move};
-use super::{BlockKind, Dialect, Program, Spindle, SpindleRun};
+use super::write::{comment_lines, longest_move, n_lines};
+use super::{BlockKind, Coolant, Dialect, Language, Program, Spindle, SpindleRun, Tape};
 use crate::cam::Toolpath;
 use crate::machine::Machine;
 use crate::tool::{Tool, Turns};
 use body::Body;
-use std::fmt;
 
-/// What a program says about itself before it begins.
+pub use error::{PostError, PostWarning};
+
+/// One path with one tool.
+#[derive(Debug, Clone, Copy)]
+pub struct Operation<'a> {
+    /// The path.
+    pub path: &'a Toolpath,
+    /// The tool.
+    pub tool: &'a Tool,
+}
+
+/// What a program is told before its path, and says about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Header {
     /// Comment lines: part, tool, machine, options.
     pub lines: Vec<String>,
     /// How deep the first cut may be, where the program relies on it [mm].
     pub stock: Option<f64>,
+    /// What the program is called, where the control wants a number [default: 1].
+    pub number: Option<u32>,
+    /// By how much the control may round corners off [mm; default: the dialect's tolerance].
+    pub tolerance: Option<f64>,
+    /// What cools the cut [default: nothing].
+    pub coolant: Option<Coolant>,
 }
 
 /// A program and what its author should know.
@@ -33,114 +51,6 @@ pub struct Posted {
     pub program: Program,
     /// What came out differently from what the toolpath asks for.
     pub warnings: Vec<PostWarning>,
-}
-
-/// What came out differently from what the toolpath asks for.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum PostWarning {
-    /// The control would not move as slowly as the toolpath asks for; the F words say what it does.
-    FeedRaised {
-        /// How many blocks.
-        n_blocks: usize,
-        /// The first of them, by line.
-        first_line: u32,
-        /// How much sooner the program is done [s].
-        seconds: f64,
-        /// The control's slowest rate [mm/min].
-        min_rate: f64,
-    },
-}
-
-/// Why a toolpath cannot become a program. Moves are counted from 0, as in the toolpath.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PostError {
-    /// There is nothing to write.
-    #[error("the toolpath has no moves; there is nothing to write")]
-    Empty,
-    /// The path begins with a cut.
-    #[error("move 0 is not a rapid: the machine may stand anywhere; begin with one to the start")]
-    NoStart,
-    /// A number that is none.
-    #[error("move {i_move} sends {axis} to {value}, which is no position")]
-    NotFinite {
-        /// The move.
-        i_move: usize,
-        /// The axis.
-        axis: char,
-        /// Where it would go [mm or rad].
-        value: f64,
-    },
-    /// An axis would leave its travel.
-    #[error(
-        "move {i_move} sends {axis} to {word} {unit}, outside its limits {} to {} {unit}; \
-         shift the part or choose a larger machine", limits[0], limits[1]
-    )]
-    Limit {
-        /// The move.
-        i_move: usize,
-        /// The axis.
-        axis: char,
-        /// The word it would have.
-        word: f64,
-        /// Its least and greatest word.
-        limits: [f64; 2],
-        /// `mm` or `deg`.
-        unit: &'static str,
-    },
-    /// An axis would have to be faster than it is.
-    #[error(
-        "move {i_move} asks {axis} for {velocity:.6} {unit}/s, above its limit {limit:.6}; \
-         give the move more time"
-    )]
-    Velocity {
-        /// The move.
-        i_move: usize,
-        /// The axis.
-        axis: char,
-        /// The speed asked for, per second.
-        velocity: f64,
-        /// The greatest it has, per second.
-        limit: f64,
-        /// `mm` or `deg`.
-        unit: &'static str,
-    },
-    /// A feed or a duration that is none.
-    #[error("move {i_move} has the {what} {value}; it must be a number greater than 0")]
-    Pace {
-        /// The move.
-        i_move: usize,
-        /// `feed` or `duration`.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A feed of the linear axes on a move that has none.
-    #[error("move {i_move} turns rotary axes only, but its feed is of linear ones; use a duration")]
-    RotaryFeed {
-        /// The move.
-        i_move: usize,
-    },
-    /// A timed rotary move for a control that cannot be told the time.
-    #[error("move {i_move} turns {axis} in a given time, but {dialect} has no inverse time (G93)")]
-    NoInverseTime {
-        /// The move.
-        i_move: usize,
-        /// The rotary axis.
-        axis: char,
-        /// The dialect.
-        dialect: String,
-    },
-    /// Blocks could be longer than the control reads.
-    #[error("a block can take {length} characters, but {dialect} reads {limit}; use less decimals")]
-    LineTooLong {
-        /// The most a block of this program can take.
-        length: usize,
-        /// The most the control reads.
-        limit: usize,
-        /// The dialect.
-        dialect: String,
-    },
 }
 
 /// The program that takes `tool` along `path` on `machine`, as `dialect` wants it.
@@ -153,49 +63,78 @@ pub fn post(
     dialect: &Dialect,
     header: &Header,
 ) -> Result<Posted, PostError> {
-    let mut body = Body::new(machine, dialect);
-    body.begin(path)?;
-    mount(&mut body.program, tool);
-    body.approach(path)?;
-    for (i_move, step) in path.moves.iter().enumerate().skip(1) {
-        body.take(i_move, step)?;
-    }
-    body.retreat(path.clear);
-    let report = check(&body.program, machine);
-    fits_lines(&body.program, &report.bounds, dialect)?;
-    let front = front(&report, dialect, header);
-    let warnings = body.warnings(front.blocks.len());
-    Ok(Posted { program: join(front, body.program, dialect), warnings })
+    post_operations(&[Operation { path, tool }], machine, dialect, header)
 }
 
-impl fmt::Display for PostWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::FeedRaised { n_blocks, first_line, seconds, min_rate } => write!(
-                f,
-                "{n_blocks} blocks (the first in line {first_line}) run {seconds:.3} s faster than \
-                 planned: the control goes no slower than {min_rate} mm/min"
-            ),
+/// The program of several operations one after the other, each with its own tool.
+pub fn post_operations(
+    operations: &[Operation],
+    machine: &Machine,
+    dialect: &Dialect,
+    header: &Header,
+) -> Result<Posted, PostError> {
+    check_letters(machine, dialect)?;
+    let mut body = Body::new(machine, dialect);
+    for Operation { path, tool } in operations {
+        body.begin(path)?;
+        mount(&mut body.program, tool, dialect);
+        body.cool(header.coolant.unwrap_or(Coolant::Off))?;
+        body.approach(path)?;
+        for (i_move, step) in path.moves.iter().enumerate().skip(1) {
+            body.take(i_move, step)?;
         }
+        body.retreat(path.clear);
     }
+    if operations.is_empty() {
+        return Err(PostError::Empty);
+    }
+    let report = check(&body.program, machine);
+    fits_lines(&body.program, &report.bounds, dialect)?;
+    let front = front(&report, dialect, header)?;
+    let n_front = front.blocks.len();
+    let program = join(front, std::mem::take(&mut body.program), dialect);
+    let warnings = body.warnings(|i_block| program.blocks[n_front + i_block].line);
+    Ok(Posted { program, warnings })
+}
+
+fn check_letters(machine: &Machine, dialect: &Dialect) -> Result<(), PostError> {
+    let letters: Vec<char> = machine.axes.iter().map(|axis| dialect.letter(axis.letter)).collect();
+    let twice = letters.iter().enumerate().find(|(i, letter)| letters[..*i].contains(letter));
+    twice.map_or(Ok(()), |(_, &letter)| {
+        let (machine, dialect) = (machine.name.clone(), dialect.name.clone());
+        Err(PostError::SameLetter { letter, machine, dialect })
+    })
 }
 
 /// Tool and spindle.
-fn mount(program: &mut Program, tool: &Tool) {
+fn mount(program: &mut Program, tool: &Tool, dialect: &Dialect) {
     program.push(BlockKind::ToolChange(tool.number));
     let run = Some(match tool.turns {
         Turns::Clockwise => SpindleRun::Clockwise,
         Turns::CounterClockwise => SpindleRun::CounterClockwise,
     });
-    let speed_rpm = Some(round_to(tool.speed_rpm, SPEED_DECIMALS));
-    program.push(BlockKind::Spindle(Spindle { speed_rpm, run }));
+    let speed_rpm = Some(round_to(tool.speed_rpm, dialect.decimals.speed));
+    // In Klartext they are two lines, and so two blocks.
+    if dialect.language == Language::Klartext {
+        program.push(BlockKind::Spindle(Spindle { speed_rpm, run: None }));
+        program.push(BlockKind::Spindle(Spindle { speed_rpm: None, run }));
+    } else {
+        program.push(BlockKind::Spindle(Spindle { speed_rpm, run }));
+    }
 }
 
 /// What stands before the first move: comments and preamble.
-fn front(report: &CheckReport, dialect: &Dialect, header: &Header) -> Program {
+fn front(report: &CheckReport, dialect: &Dialect, header: &Header) -> Result<Program, PostError> {
     let mut front = Program::default();
-    if dialect.percent {
+    if matches!(dialect.tape, Tape::Percent | Tape::PercentNumber) {
         front.push(BlockKind::Percent);
+    }
+    if matches!(dialect.tape, Tape::PercentNumber | Tape::Pgm) {
+        let number = header.number.unwrap_or(1);
+        if !(1..=9999).contains(&number) {
+            return Err(PostError::Number { number });
+        }
+        front.push(BlockKind::Number(number));
     }
     for comment in comments(report, header) {
         for line in comment_lines(&comment, dialect) {
@@ -205,21 +144,42 @@ fn front(report: &CheckReport, dialect: &Dialect, header: &Header) -> Program {
     for &modes in &dialect.preamble {
         front.push(BlockKind::Modes(modes));
     }
-    front
+    for line in &dialect.setup {
+        front.push(BlockKind::Setup(line.as_str().into()));
+    }
+    if let Some(smoothing) = &dialect.smoothing {
+        let value = header.tolerance.unwrap_or(smoothing.tolerance);
+        // A tenth of a micrometre is the least that is written.
+        if !value.is_finite() || value < 1e-4 {
+            return Err(PostError::Tolerance { value });
+        }
+        front.push(BlockKind::Smoothing(Some(round_to(value, 4))));
+    }
+    Ok(front)
 }
 
-/// The whole program, a line per block.
+/// The whole program; a block's line is the last of its lines, where it takes effect.
 fn join(front: Program, body: Program, dialect: &Dialect) -> Program {
     let mut program = body;
     program.blocks.splice(0..0, front.blocks);
-    program.push(BlockKind::End);
-    if dialect.percent {
-        program.push(BlockKind::Percent);
-    }
-    for (line, block) in (1..).zip(&mut program.blocks) {
+    close(&mut program, dialect);
+    let mut line = 0;
+    for block in &mut program.blocks {
+        line += n_lines(&block.kind, dialect);
         block.line = line;
     }
     program
+}
+
+/// Ends a program.
+pub(super) fn close(program: &mut Program, dialect: &Dialect) {
+    if dialect.smoothing.as_ref().is_some_and(|smoothing| !smoothing.off.is_empty()) {
+        program.push(BlockKind::Smoothing(None));
+    }
+    program.push(BlockKind::End);
+    if dialect.tape != Tape::None {
+        program.push(BlockKind::Percent);
+    }
 }
 
 fn comments(report: &CheckReport, header: &Header) -> Vec<String> {

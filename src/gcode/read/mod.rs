@@ -4,14 +4,20 @@
 //! as switched off: the line is carried out). Within a line things happen in the order of RS274/NGC:
 //! modes, feed, tool, spindle, dwell, move, end. What is not understood is refused by name and place;
 //! nothing is skipped in silence.
+//!
+//! Lines in the languages of other controls become the same words, and what only a dialect can
+//! know (its own lines, what F means, which way an angle is reached) is looked up in it.
 
 mod control;
+mod klartext;
+mod phrase;
 
-use super::Program;
 use super::line::Line;
-use super::scan::Problem;
+
+use super::{Dialect, Language, Problem, Program};
 use crate::machine::Machine;
 use control::{Control, Stage};
+use phrase::{Listed, Phrases};
 use std::io::{BufRead, Read};
 
 /// The longest line the reader takes; controls take 80 to 512.
@@ -40,17 +46,26 @@ pub enum ReadError {
     },
 }
 
-/// Reads a program for `machine`.
+/// Reads a program for `machine`, written in `dialect`.
 ///
-/// The state at its start is that of every control here: G21, G90, G94. Inches and increments are
-/// turned into millimetres and absolute words. Nothing behind M2, M30 or the second `%` is read but
-/// the `%` that ends the tape.
-pub fn read(text: &mut dyn BufRead, machine: &Machine) -> Result<Program, ReadError> {
-    read_program(text, Program::for_machine(machine))
+/// The state at its start is that of every control here: millimetres, positions, feeds per minute.
+/// Inches and increments are turned into millimetres and absolute words, angles are counted on.
+/// Nothing behind M2, M30 or the second `%` is read but what ends the tape.
+pub fn read(
+    text: &mut dyn BufRead,
+    machine: &Machine,
+    dialect: &Dialect,
+) -> Result<Program, ReadError> {
+    read_program(text, Program::for_machine(machine, dialect), dialect)
 }
 
-fn read_program(text: &mut dyn BufRead, program: Program) -> Result<Program, ReadError> {
-    let mut control = Control::new(program);
+fn read_program(
+    text: &mut dyn BufRead,
+    program: Program,
+    dialect: &Dialect,
+) -> Result<Program, ReadError> {
+    let mut control = Control::new(program, dialect);
+    let mut phrases = Phrases::new(dialect);
     let mut bytes = Vec::new();
     let mut words = Line::default();
     for line in 1.. {
@@ -76,7 +91,18 @@ fn read_program(text: &mut dyn BufRead, program: Program) -> Result<Program, Rea
             return Err(at_line((1, Problem::LineTooLong { limit: MAX_LINE })));
         }
         control.measure(line, bytes.len());
-        words.fill(&bytes).map_err(at_line)?;
+        match phrases.find(&bytes) {
+            Some(Listed::Says(kind)) => {
+                control.push(line, kind);
+                continue;
+            }
+            Some(Listed::Part) => continue,
+            None => {}
+        }
+        match dialect.language {
+            Language::Klartext => klartext::fill(&mut words, &bytes).map_err(at_line)?,
+            language => words.fill(&bytes, language).map_err(at_line)?,
+        }
         control.execute(&words, line).map_err(at_line)?;
     }
     Ok(control.program)
@@ -97,7 +123,8 @@ mod tests {
             axis('Y', AxisKind::Linear),
             axis('A', AxisKind::Rotary),
         ];
-        read_program(&mut text.as_bytes(), Program { axes, ..Program::default() })
+        let dialect = Dialect::named("linuxcnc").unwrap();
+        read_program(&mut text.as_bytes(), Program { axes, ..Program::default() }, &dialect)
     }
 
     fn complaint(text: &str) -> String {
@@ -172,7 +199,11 @@ mod tests {
             ("G0 X1\nG2 X1 I2 J0", "line 2, column 1: G2 arcs are not read yet"),
             ("G0 X1\n X2 G43 H1", "line 2, column 5: G43 is not read yet"),
             ("G91.1", "line 1, column 1: G91.1 is not read yet"),
-            ("M7", "line 1, column 1: M7 is not read yet"),
+            ("M10", "line 1, column 1: M10 is not read yet"),
+            ("T1 M0", "line 1, column 4: M0 is read behind a T word, where tools are changed by"),
+            ("G92 A5", "line 1, column 1: G92 is read where it takes whole turns off"),
+            ("G92 A", "line 1, column 5: no number after A"),
+            ("O7", "line 1, column 1: O is not read yet"),
             ("G55", "line 1, column 1: G55 is not read yet"),
             ("G0 X1 X2", "line 1, column 7: the line has X twice"),
             ("G0 G1 X2 F1", "line 1, column 4: G1 contradicts G0"),
@@ -218,7 +249,9 @@ mod tests {
             }
         }
         let mut text = std::io::BufReader::new("M5\nM5\n".as_bytes().chain(Broken));
-        let error = read_program(&mut text, Program::default()).unwrap_err().to_string();
+        let dialect = Dialect::named("linuxcnc").unwrap();
+        let error = read_program(&mut text, Program::default(), &dialect).unwrap_err();
+        let error = error.to_string();
         assert_eq!(error, "the program cannot be read behind line 2: the cable is out");
     }
 

@@ -1,6 +1,7 @@
 //! The options of a job: flags of the command line and keys of a job file alike.
 
 use crate::cam::{Centre, Method, SetupError, SetupOptions, SpindleAxis, Strategy};
+use crate::gcode::Coolant;
 use serde::{Deserialize, Serialize};
 
 /// How a part is cut. Every option may be left out; what is said on the command line wins over the
@@ -101,6 +102,28 @@ pub struct CamOptions {
     #[arg(long, value_name = "AXIS=WORD", value_delimiter = ',', allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hold: Vec<String>,
+    /// The language of the control: a name (`horma dialect list`) or a dialect file [default: the
+    /// machine's].
+    #[arg(long, value_name = "DIALECT")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dialect: Option<String>,
+    /// By how much the control may round corners off, where it can be told [mm; default: 0.01].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corner_tolerance: Option<f64>,
+    /// What cools the cut [default: off].
+    #[arg(long, value_name = "COOLANT")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coolant: Option<Coolant>,
+    /// What the program is called, where the control wants a number: 1 to 9999 [default: 1].
+    #[arg(long, value_name = "N")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub program_number: Option<u32>,
+    /// Split a program larger than this into parts that run one after the other [bytes; default:
+    /// what the dialect says].
+    #[arg(long, value_name = "BYTES")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub split_bytes: Option<usize>,
 }
 
 /// What height a position gets at which the tool meets nothing.
@@ -173,6 +196,7 @@ impl CamOptions {
             ("--feed", self.feed),
             ("--rpm", self.rpm),
             ("--speed", self.speed),
+            ("--corner-tolerance", self.corner_tolerance),
             ("--points-per-turn", self.points_per_turn.map(f64::from)),
         ];
         let from_0 =

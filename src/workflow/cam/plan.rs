@@ -10,7 +10,7 @@ use crate::cam::{
     Setup, SetupError, Spacing, Stand, Strategy, Trajectory, TrajectoryError, TurnLine, clear_word,
     contours, pass, reach, room_beside, run_along, set_up, within,
 };
-use crate::gcode::{self, Dialect, PostError};
+use crate::gcode::{self, Dialect, PostError, SplitError};
 use crate::geom::{Point3, Surface};
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine, MachineError};
 use crate::progress::{Cancelled, Progress};
@@ -47,6 +47,8 @@ pub struct Job<'a> {
 pub struct Plan {
     /// The program, as the bytes of its file; they were read back and give the path.
     pub text: Vec<u8>,
+    /// The same in parts that run one after the other, if it is too large for its control.
+    pub parts: Vec<Vec<u8>>,
     /// What there is to say about it.
     pub report: CamReport,
     /// What there is to see, unless it was not asked for.
@@ -93,6 +95,9 @@ pub enum CamError {
     /// The control cannot say it, or an axis would leave its limits.
     #[error(transparent)]
     Post(#[from] PostError),
+    /// It does not fit into parts as small as asked for.
+    #[error(transparent)]
+    Split(#[from] SplitError),
     /// The tool meets the part nowhere.
     #[error("the tool meets the part nowhere on its way; check the spindle axis and the units")]
     Missed,
@@ -170,7 +175,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         header.lines.push("digitized on points alone, as in the thesis".into());
     }
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
-    let written = write_and_read_back(posted, dialect, machine, &toolpath)?;
+    let written = write_and_read_back(posted, dialect, machine, &toolpath, options.split_bytes)?;
     let mut report = CamReport {
         part: PartReport::new(name, &setup, notes),
         machine: [machine.name.clone(), machine.title.clone()],
@@ -193,7 +198,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         path,
         heights,
     });
-    Ok(Plan { text: written.text, report, scene })
+    Ok(Plan { text: written.text, parts: written.parts, report, scene })
 }
 
 pub(super) fn pace(tool: &Tool, options: &CamOptions, clear: f64) -> PassOptions {

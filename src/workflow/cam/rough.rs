@@ -104,7 +104,7 @@ pub fn rough(
     let mut header = header(&name, &tool, machine, options, max_depth);
     header.lines.push(format!("roughing from {block}, {max_depth} mm at most a layer"));
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
-    let written = write_and_read_back(posted, dialect, machine, &toolpath)?;
+    let written = write_and_read_back(posted, dialect, machine, &toolpath, options.split_bytes)?;
     let mut report = CamReport {
         part: PartReport::new(name, &setup, notes),
         machine: [machine.name.clone(), machine.title.clone()],
@@ -124,7 +124,7 @@ pub fn rough(
         path,
         heights,
     });
-    Ok(Plan { text: written.text, report, scene })
+    Ok(Plan { text: written.text, parts: written.parts, report, scene })
 }
 
 fn heights(contacts: &[Option<Contact>]) -> Vec<Option<f64>> {

@@ -4,7 +4,6 @@ use super::Shell;
 use crate::exit::Usage;
 use anyhow::Context;
 use clap::Args;
-use horma::gcode::Dialect;
 use horma::geom::LengthUnit;
 use horma::io::report::{cam_page, cam_summary, html};
 use horma::io::{self, JobFile, OutputSet, Overwrite, Reading};
@@ -72,6 +71,7 @@ pub(crate) fn run_with(
     let output = given(args.output.as_ref(), job.output.as_ref(), "an output", "-o out.ngc")?;
     let machine = io::read_machine(&machine)?;
     let options = args.options.over(&job.options);
+    let dialect = io::read_dialect(options.dialect.as_deref().unwrap_or(&machine.dialect))?;
     let tool = tool(args, &job, &options, &machine)?;
     let reading = io::read_surface(&part, args.units.or(job.units))?;
     let outputs = Outputs::checked(&output, args.force)?;
@@ -83,7 +83,7 @@ pub(crate) fn run_with(
             surface: reading.surface,
             machine: &machine,
             tool,
-            dialect: &Dialect::named(&machine.dialect)?,
+            dialect: &dialect,
             options: &options,
             keep_scene: !args.no_pictures && !outputs.is_stream,
         },
@@ -95,7 +95,7 @@ pub(crate) fn run_with(
     if outputs.is_stream {
         return Ok(());
     }
-    let text = cam_summary(&planned.report) + "\n" + &outputs.in_words(&machine);
+    let text = cam_summary(&planned.report) + "\n" + &outputs.in_words(&machine, &planned);
     shell.report(&planned.report, &text)
 }
 
@@ -156,9 +156,11 @@ impl Outputs {
 
     /// All three, or none.
     pub(crate) fn write(&self, planned: &Plan) -> anyhow::Result<()> {
-        let [program, json, page] = self.paths();
+        let [_, json, page] = self.paths();
         let mut files = OutputSet::new(self.overwrite);
-        files.add(&program, |out| out.write_all(&planned.text))?;
+        for (path, text) in self.programs(planned) {
+            files.add(&path, |out| out.write_all(text))?;
+        }
         if !self.is_stream {
             let report = serde_json::to_vec_pretty(&planned.report)?;
             let shown = html(&cam_page(&planned.report, planned.scene.as_ref())?);
@@ -168,12 +170,38 @@ impl Outputs {
         Ok(files.commit()?)
     }
 
+    /// The program, or its parts in files with numbers of their own; a stream takes it whole.
+    fn programs<'a>(&self, planned: &'a Plan) -> Vec<(PathBuf, &'a [u8])> {
+        if planned.parts.is_empty() || self.is_stream {
+            return vec![(self.program.clone(), &planned.text)];
+        }
+        let parts = (1..).zip(&planned.parts);
+        parts.map(|(number, text)| (self.part(number), text.as_slice())).collect()
+    }
+
+    /// `last.nc` becomes `last-1.nc`.
+    fn part(&self, number: usize) -> PathBuf {
+        let stem = self.program.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{stem}-{number}");
+        match self.program.extension() {
+            Some(extension) => {
+                self.program.with_file_name(format!("{name}.{}", extension.to_string_lossy()))
+            }
+            None => self.program.with_file_name(name),
+        }
+    }
+
     /// What was written, and what to do with it.
-    pub(crate) fn in_words(&self, machine: &Machine) -> String {
-        let [program, json, page] = self.paths().map(|path| path.display().to_string());
+    pub(crate) fn in_words(&self, machine: &Machine, planned: &Plan) -> String {
+        let [_, json, page] = self.paths().map(|path| path.display().to_string());
+        let programs = self.programs(planned);
+        let names: Vec<String> =
+            programs.iter().map(|(path, _)| path.display().to_string()).collect();
+        let program = names.join("\n      ");
+        let first = &names[0];
         format!(
             "wrote {program}\n      {json}\n      {page}  (open it in a browser)\n\
-             next  horma check {program} -m {}",
+             next  horma check {first} -m {}",
             machine.name
         )
     }

@@ -5,7 +5,6 @@ use super::cam::Outputs;
 use anyhow::Context;
 use clap::Args;
 use horma::cam::Centre;
-use horma::gcode::Dialect;
 use horma::geom::Surface;
 use horma::geom::shapes::{LastParameters, last};
 use horma::io::report::cam_summary;
@@ -46,7 +45,7 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
             notes: vec![format!("made by horma: a last of {} mm", args.last.length)],
             machine: &machine,
             tool: io::read_tools(None)?.find(&machine.default_tool)?,
-            dialect: &Dialect::named(&machine.dialect)?,
+            dialect: &io::read_dialect(&machine.dialect)?,
             options: &options,
             keep_scene: true,
         },
@@ -62,7 +61,7 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
         "{}\nwrote {part}\n{}\n      horma cam {part} -m {MACHINE} --mirror --scallop 0.03 -o right.ngc\n      \
          horma cam YOUR-PART.stl -m {MACHINE} -o your-part.ngc",
         cam_summary(&planned.report),
-        outputs.in_words(&machine),
+        outputs.in_words(&machine, &planned),
     );
     shell.report(&planned.report, &text)
 }

@@ -4,6 +4,7 @@ use super::table::{number, table};
 use super::{Shell, print};
 use anyhow::Context;
 use clap::{Args, Subcommand};
+use horma::gcode::DialectError;
 use horma::io::{self, DescriptionError};
 use horma::machine::{Axis, AxisKind, Carries, Clamping, Machine, MachineError, Mount};
 use horma::tool::ToolError;
@@ -30,7 +31,7 @@ enum Action {
         #[arg(long, conflicts_with = "json")]
         toml: bool,
     },
-    /// Check a machine file and its default tool; mistakes are shown with line and column.
+    /// Check a machine file, its default tool and its dialect; mistakes are shown with line and column.
     Check {
         /// The path of a machine file, or a machine's name.
         machine: String,
@@ -79,6 +80,7 @@ fn check(machine: &str, tools: Option<&PathBuf>) -> Result<Machine, DescriptionE
     let machine = io::read_machine(machine)?;
     let tool = io::read_tools(tools.map(PathBuf::as_path))?.find(&machine.default_tool)?;
     machine.check_tool(&tool)?;
+    io::read_dialect(&machine.dialect)?;
     Ok(machine)
 }
 
@@ -104,6 +106,12 @@ fn report_check(
 
 /// A mistake in a description, for programs.
 pub(super) fn mistake(error: &DescriptionError) -> Value {
+    if let DescriptionError::Dialect(DialectError::Content { file, line, column, problem }) = error
+    {
+        return json!({
+            "ok": false, "file": file, "line": line, "column": column, "problem": problem,
+        });
+    }
     let (place, problem) = match error {
         DescriptionError::Machine(MachineError::At { place, problem }) => {
             (Some(place), problem.to_string())

@@ -4,6 +4,7 @@ mod cam;
 mod check;
 mod convert;
 mod demo;
+mod dialect;
 mod info;
 mod last;
 mod machine;
@@ -59,6 +60,7 @@ enum Command {
     Last(last::LastArgs),
     Machine(machine::MachineArgs),
     Tool(tool::ToolArgs),
+    Dialect(dialect::DialectArgs),
     Check(check::CheckArgs),
     Restart(restart::RestartArgs),
     /// Print shell completions.
@@ -79,6 +81,7 @@ impl Cli {
             Command::Demo(args) => demo::run(args, &self.shell),
             Command::Cam(args) => cam::run(args, &self.shell),
             Command::Rough(args) => rough::run(args, &self.shell),
+            Command::Dialect(args) => dialect::run(args, &self.shell),
             Command::Check(args) => check::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),

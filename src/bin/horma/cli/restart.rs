@@ -3,7 +3,7 @@
 use super::Shell;
 use anyhow::bail;
 use clap::Args;
-use horma::gcode::{self, Dialect, Violation};
+use horma::gcode::{self, Violation};
 use horma::io::{self, Overwrite};
 use std::path::PathBuf;
 
@@ -15,6 +15,10 @@ pub(crate) struct RestartArgs {
     /// The machine it is for: a name, or a machine file.
     #[arg(long, short, value_name = "MACHINE")]
     machine: String,
+    /// The language it is written in: a name (`horma dialect list`) or a dialect file [default: the
+    /// machine's].
+    #[arg(long, value_name = "DIALECT")]
+    dialect: Option<String>,
     /// The first line to carry out again.
     #[arg(long, value_name = "N")]
     line: u32,
@@ -40,8 +44,8 @@ struct Restarted<'a> {
 /// Writes the rest of the program, unless its machine would have something against it.
 pub(crate) fn run(args: &RestartArgs, shell: &Shell) -> anyhow::Result<()> {
     let machine = io::read_machine(&args.machine)?;
-    let dialect = Dialect::named(&machine.dialect)?;
-    let program = io::read_program(&args.program, &machine)?;
+    let dialect = io::read_dialect(args.dialect.as_ref().unwrap_or(&machine.dialect))?;
+    let program = io::read_program(&args.program, &machine, &dialect)?;
     let rest = gcode::restart(&program, &machine, args.line, args.plunge_feed)?;
     let check = gcode::check(&rest, &machine);
     if let Some(Violation { kind, .. }) = check.violations.first() {

@@ -1,15 +1,24 @@
 //! A control, as far as reading depends on it: what a line means in the light of those before.
 
+mod axes;
+
 use crate::gcode::line::{Line, Sorted};
-use crate::gcode::scan::Problem;
-use crate::gcode::{Block, BlockKind, LongestLine, Mode, Motion, MoveWords, Program, Spindle};
-use crate::machine::{AxisKind, MAX_AXES};
+use crate::gcode::number::round_to;
+use crate::gcode::{
+    Block, BlockKind, Dialect, DwellWord, Language, LongestLine, Mode, Motion, Problem, Program,
+    Rotary, Spindle, Tape, ToolChange,
+};
+use crate::machine::MAX_AXES;
 
 const MM_PER_INCH: f64 = 25.4;
 
+/// As many as a dialect can ask for, in milliseconds.
+const DWELL_DECIMALS: u8 = 12;
+
 /// The state of a control as far as reading depends on it.
-pub(super) struct Control {
+pub(super) struct Control<'a> {
     pub(super) program: Program,
+    dialect: &'a Dialect,
     /// Index of the axis a letter stands for, A first.
     axis_of: [Option<usize>; 26],
     motion: Option<Motion>,
@@ -18,7 +27,10 @@ pub(super) struct Control {
     unit: f64,
     incremental: bool,
     tool: Option<u32>,
+    /// Where the axes stand, angles counted on [mm or deg].
     at: [Option<f64>; MAX_AXES],
+    /// How many turns G92 has taken off each.
+    turns: [i32; MAX_AXES],
     n_percent: u32,
     pub(super) stage: Stage,
 }
@@ -43,16 +55,18 @@ enum FeedState {
     PerBlock,
 }
 
-impl Control {
-    pub(super) fn new(program: Program) -> Self {
+impl<'a> Control<'a> {
+    pub(super) fn new(program: Program, dialect: &'a Dialect) -> Self {
         let mut axis_of = [None; 26];
         for (i_axis, axis) in program.axes.iter().enumerate() {
-            if axis.letter.is_ascii_uppercase() {
-                axis_of[usize::from(axis.letter as u8 - b'A')] = Some(i_axis);
+            let letter = dialect.letter(axis.letter);
+            if letter.is_ascii_uppercase() {
+                axis_of[usize::from(letter as u8 - b'A')] = Some(i_axis);
             }
         }
         Self {
             program,
+            dialect,
             axis_of,
             motion: None,
             feed: FeedState::Missing,
@@ -60,6 +74,7 @@ impl Control {
             incremental: false,
             tool: None,
             at: [None; MAX_AXES],
+            turns: [0; MAX_AXES],
             n_percent: 0,
             stage: Stage::Runs,
         }
@@ -73,7 +88,13 @@ impl Control {
 
     /// Behind the end of the program only the end of the tape means anything.
     pub(super) fn await_percent(&mut self, bytes: &[u8], line: u32) {
-        if bytes.trim_ascii() == b"%" {
+        let ends = match self.dialect.language {
+            Language::Klartext => {
+                bytes.windows(7).any(|part| part.eq_ignore_ascii_case(b"END PGM"))
+            }
+            _ => bytes.trim_ascii() == b"%",
+        };
+        if ends {
             self.push(line, BlockKind::Percent);
             self.stage = Stage::Done;
         }
@@ -81,39 +102,46 @@ impl Control {
 
     /// Carries out what a line says, in the order of RS274/NGC.
     pub(super) fn execute(&mut self, line: &Line, number: u32) -> Result<(), (u32, Problem)> {
-        let sorted = line.sorted()?;
+        let sorted = line.sorted(self.dialect.millimetres)?;
         if line.percent {
             self.n_percent += 1;
             self.push(number, BlockKind::Percent);
-            if self.n_percent == 2 {
+            // The one mark of Klartext stands at the end.
+            if self.n_percent == 2 || self.dialect.tape == Tape::Pgm {
                 self.stage = Stage::Done;
             }
         }
+        self.set_number(line, number)?;
         for text in &line.comments {
             self.push(number, BlockKind::Comment(text.clone()));
         }
         self.set_modes(&sorted, number);
         let words = self.move_words(line, &sorted)?;
-        let feed = self.feed(line, words.is_some())?;
+        let feed = self.feed(line, words.is_some(), sorted.dwells.is_some())?;
         let is_fed = words.is_some_and(|words| words.motion == Motion::Feed);
         if let Some(feed) = feed.filter(|_| !is_fed) {
             self.push(number, BlockKind::Feed(feed));
         }
         self.set_tool(line, &sorted, number)?;
         self.set_spindle(line, &sorted, number)?;
+        if let Some(coolant) = sorted.coolant {
+            self.push(number, BlockKind::Coolant(coolant));
+        }
         self.dwell(line, &sorted, number)?;
+        self.rezero(line, &sorted, number)?;
         if let Some(words) = words {
             let words = feed.filter(|_| is_fed).map_or(words, |feed| words.with_feed(feed));
             self.push(number, BlockKind::Move(words));
         }
         if sorted.ends {
             self.push(number, BlockKind::End);
-            self.stage = if self.n_percent == 1 { Stage::AwaitsPercent } else { Stage::Done };
+            let goes_on = self.n_percent == 1 || self.dialect.tape == Tape::Pgm;
+            self.stage = if goes_on { Stage::AwaitsPercent } else { Stage::Done };
         }
         Ok(())
     }
 
-    fn push(&mut self, line: u32, kind: BlockKind) {
+    pub(super) fn push(&mut self, line: u32, kind: BlockKind) {
         self.program.blocks.push(Block { line, kind });
     }
 
@@ -136,38 +164,16 @@ impl Control {
         }
     }
 
-    /// The move of a line: its axis words in millimetres and degrees, absolute.
-    fn move_words(
-        &mut self,
-        line: &Line,
-        sorted: &Sorted,
-    ) -> Result<Option<MoveWords>, (u32, Problem)> {
-        let mut found = None;
-        for (letter, word, column) in line.others() {
-            let Some(i_axis) = self.axis_of[usize::from(letter - b'A')] else {
-                return Err((column, self.unknown(letter)));
-            };
-            let motion = self.motion.ok_or((column, Problem::NoMotion))?;
-            if sorted.dwells.is_some() {
-                return Err((column, Problem::DwellMoves));
-            }
-            let axis = self.program.axes[i_axis];
-            let scale = if axis.kind == AxisKind::Linear { self.unit } else { 1.0 };
-            let start = if self.incremental {
-                let letter = axis.letter;
-                self.at[i_axis].ok_or((column, Problem::UnknownStart { letter }))?
-            } else {
-                0.0
-            };
-            let to = start + word * scale;
-            self.at[i_axis] = Some(to);
-            let words = found.unwrap_or_else(|| MoveWords::new(motion));
-            found = Some(words.with_axis(i_axis, to));
+    fn names_programs(&self) -> bool {
+        matches!(self.dialect.tape, Tape::PercentNumber | Tape::Pgm)
+    }
+
+    fn set_number(&mut self, line: &Line, number: u32) -> Result<(), (u32, Problem)> {
+        if let Some(name) = line.word(b'O').filter(|_| self.names_programs()) {
+            let name = whole('O', name)?;
+            self.push(number, BlockKind::Number(name));
         }
-        if found.is_some_and(|words: MoveWords| words.motion == Motion::Feed) {
-            self.needs_feed(line)?;
-        }
-        Ok(found)
+        Ok(())
     }
 
     fn needs_feed(&self, line: &Line) -> Result<(), (u32, Problem)> {
@@ -179,8 +185,16 @@ impl Control {
     }
 
     /// The F word of a line in millimetres; under inverse time it needs a move to belong to.
-    fn feed(&mut self, line: &Line, moves: bool) -> Result<Option<f64>, (u32, Problem)> {
+    fn feed(
+        &mut self,
+        line: &Line,
+        moves: bool,
+        pauses: bool,
+    ) -> Result<Option<f64>, (u32, Problem)> {
         let Some((feed, column)) = line.word(b'F') else { return Ok(None) };
+        if pauses && self.dialect.dwell.word == DwellWord::FSeconds {
+            return Ok(None);
+        }
         if feed <= 0.0 {
             let bound = "greater than 0";
             return Err((column, Problem::Range { letter: 'F', value: feed, bound }));
@@ -199,15 +213,21 @@ impl Control {
         sorted: &Sorted,
         number: u32,
     ) -> Result<(), (u32, Problem)> {
-        if let Some((value, column)) = line.word(b'T') {
-            if value.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&value) {
-                let bound = "a whole number, not below 0";
-                return Err((column, Problem::Range { letter: 'T', value, bound }));
-            }
-            self.tool = Some(value as u32);
+        if let Some(tool) = line.word(b'T') {
+            self.tool = Some(whole('T', tool)?);
         }
-        if let Some(column) = sorted.changes_tool {
+        if let Some(column) = sorted.stops {
+            let by_hand = self.dialect.tool_change == ToolChange::ByHand;
+            if !by_hand || line.word(b'T').is_none() {
+                return Err((column, Problem::Stop { word: "M0" }));
+            }
+        }
+        if let Some(column) = sorted.changes_tool.or(sorted.stops) {
             let tool = self.tool.ok_or((column, Problem::NoTool))?;
+            // It may move the machine anywhere; an angle is then called as the control counts it.
+            if matches!(self.dialect.rotary, Rotary::Modulo | Rotary::Increments) {
+                self.at = [None; MAX_AXES];
+            }
             self.push(number, BlockKind::ToolChange(tool));
         }
         Ok(())
@@ -232,29 +252,32 @@ impl Control {
     }
 
     fn dwell(&mut self, line: &Line, sorted: &Sorted, number: u32) -> Result<(), (u32, Problem)> {
-        match (sorted.dwells, line.word(b'P')) {
-            (None, None) => Ok(()),
-            (None, Some((_, column))) => Err((column, Problem::StrayTime)),
-            (Some(column), None) => Err((column, Problem::NoDwellTime)),
-            (Some(_), Some((value, column))) if value < 0.0 => {
-                Err((column, Problem::Range { letter: 'P', value, bound: "not below 0" }))
-            }
-            (Some(_), Some((seconds, _))) => {
-                self.push(number, BlockKind::Dwell(seconds));
-                Ok(())
-            }
+        let (letter, unit) = match self.dialect.dwell.word {
+            DwellWord::PSeconds | DwellWord::Cycle9 => (b'P', 1.0),
+            DwellWord::PMilliseconds => (b'P', 1e-3),
+            DwellWord::XSeconds => (b'X', 1.0),
+            DwellWord::FSeconds => (b'F', 1.0),
+        };
+        let Some(column) = sorted.dwells else {
+            return line.word(b'P').map_or(Ok(()), |(_, column)| Err((column, Problem::StrayTime)));
+        };
+        let letter_name = char::from(letter);
+        let missing = (column, Problem::NoDwellTime { letter: letter_name });
+        let (value, column) = line.word(letter).ok_or(missing)?;
+        if value < 0.0 {
+            let bound = "not below 0";
+            return Err((column, Problem::Range { letter: letter_name, value, bound }));
         }
+        // Thousandths are decimals too.
+        self.push(number, BlockKind::Dwell(round_to(value * unit, DWELL_DECIMALS)));
+        Ok(())
     }
+}
 
-    fn unknown(&self, letter: u8) -> Problem {
-        let letter = char::from(letter);
-        if "XYZABCUVW".contains(letter) {
-            let letters: Vec<_> =
-                self.program.axes.iter().map(|axis| axis.letter.to_string()).collect();
-            Problem::NoSuchAxis { letter, axes: letters.join(" ") }
-        } else {
-            let known = "F G M N P S T and the axes of the machine";
-            Problem::Unknown { word: letter.to_string(), known }
-        }
+fn whole(letter: char, (value, column): (f64, u32)) -> Result<u32, (u32, Problem)> {
+    if value.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&value) {
+        let bound = "a whole number, not below 0";
+        return Err((column, Problem::Range { letter, value, bound }));
     }
+    Ok(value as u32)
 }
