@@ -212,6 +212,21 @@ fn a_program_takes_the_time_of_its_ramps_too() {
 }
 
 #[test]
+fn rapids_between_cuts_are_links_and_stand_at_both_ends() {
+    // Down 10 mm and up again, twice, 30 mm of X apart.
+    let text = "G21 G90 G94\nG0 Y100\nG0 X0 A0\nS1 M3\nG1 Y90 F600\nG1 Y100\nG0 X15\nG0 X30\n\
+                G1 Y90\nG1 Y100\nM5\nM30\n";
+    let machine = Machine::builtin(LATHE).unwrap();
+    let planned = check(&read(&mut text.as_bytes(), &machine).unwrap(), &machine).planned;
+    // It cruises at 150 mm/s from 7.5 mm on.
+    let link = 30.0 / 150.0 + 150.0 / 1_500.0;
+    assert!((planned.links - link).abs() < 1e-9, "{planned}, not {link}");
+    assert_eq!((planned.approach, planned.retreat), (0.0, 0.0));
+    // Four times 10 mm at 10 mm/s, and a ramp of 2 ms at either end; it turns about at the bottom.
+    assert!((4.0..4.01).contains(&planned.cutting), "{planned}");
+}
+
+#[test]
 fn a_program_that_asks_too_much_is_told_by_how_much_and_why() {
     // The spiral at 150 rpm as a program of one time a block, heedless of acceleration.
     let machine = Machine::builtin(LATHE).unwrap();
