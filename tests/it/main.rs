@@ -31,4 +31,6 @@ mod rs274;
 mod shapes;
 mod small_machines;
 mod source;
+mod stock;
 mod textbook;
+mod verify;

@@ -11,6 +11,7 @@ mod restart;
 mod shell;
 mod table;
 mod tool;
+mod verify;
 
 pub(crate) use shell::{Shell, print};
 
@@ -58,6 +59,7 @@ enum Command {
     Machine(machine::MachineArgs),
     Tool(tool::ToolArgs),
     Check(check::CheckArgs),
+    Verify(Box<verify::VerifyArgs>),
     Restart(restart::RestartArgs),
     /// Print shell completions.
     #[command(
@@ -77,6 +79,7 @@ impl Cli {
             Command::Demo(args) => demo::run(args, &self.shell),
             Command::Cam(args) => cam::run(args, &self.shell),
             Command::Check(args) => check::run(args, &self.shell),
+            Command::Verify(args) => verify::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
