@@ -1,3 +1,4 @@
 //! One pure function per job: values in, values out.
 
 pub mod cam;
+pub mod verify;

@@ -36,4 +36,6 @@ mod schedule;
 mod shapes;
 mod small_machines;
 mod source;
+mod stock;
 mod textbook;
+mod verify;

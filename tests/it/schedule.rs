@@ -217,7 +217,8 @@ fn rapids_between_cuts_are_links_and_stand_at_both_ends() {
     let text = "G21 G90 G94\nG0 Y100\nG0 X0 A0\nS1 M3\nG1 Y90 F600\nG1 Y100\nG0 X15\nG0 X30\n\
                 G1 Y90\nG1 Y100\nM5\nM30\n";
     let machine = Machine::builtin(LATHE).unwrap();
-    let planned = check(&read(&mut text.as_bytes(), &machine).unwrap(), &machine).planned;
+    let planned =
+        check(&read(&mut text.as_bytes(), &machine, &linuxcnc()).unwrap(), &machine).planned;
     // It cruises at 150 mm/s from 7.5 mm on.
     let link = 30.0 / 150.0 + 150.0 / 1_500.0;
     assert!((planned.links - link).abs() < 1e-9, "{planned}, not {link}");

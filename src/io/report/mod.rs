@@ -16,6 +16,7 @@ mod scene;
 mod shade;
 mod svg;
 mod ticks;
+mod verify_page;
 
 pub use cam_page::{cam_page, cam_summary};
 pub use chart::Labels;
@@ -26,3 +27,4 @@ pub use png::encode_png;
 pub use raster::{Raster, render};
 pub use scene::{Camera, Path, Scene, Solid};
 pub use svg::{Grid, Series, heat_map, histogram, line_chart};
+pub use verify_page::{deviation_map, verify_page, verify_summary};

@@ -13,6 +13,7 @@ mod rough;
 mod shell;
 mod table;
 mod tool;
+mod verify;
 
 pub(crate) use shell::{Shell, print};
 
@@ -62,6 +63,7 @@ enum Command {
     Tool(tool::ToolArgs),
     Dialect(dialect::DialectArgs),
     Check(check::CheckArgs),
+    Verify(Box<verify::VerifyArgs>),
     Restart(restart::RestartArgs),
     /// Print shell completions.
     #[command(
@@ -83,6 +85,7 @@ impl Cli {
             Command::Rough(args) => rough::run(args, &self.shell),
             Command::Dialect(args) => dialect::run(args, &self.shell),
             Command::Check(args) => check::run(args, &self.shell),
+            Command::Verify(args) => verify::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),

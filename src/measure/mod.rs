@@ -1,0 +1,18 @@
+//! What a program does to a block, and how far what is left is from the part.
+//!
+//! [`simulate()`] replays a program, as it was read back from its file, on a
+//! [`Stock`](crate::stock::Stock); [`deviation()`] compares what is left with the part, and tells
+//! material the tool is too large for from material its path did not go to.
+
+mod deviation;
+mod limit;
+mod nearest;
+mod ridge;
+mod simulate;
+
+pub use deviation::{Bin, Deviation, DeviationReport, Spot, Target, Within, deviation};
+pub use limit::limit;
+pub use simulate::{
+    Collision, CollisionKind, Extreme, ResolutionReport, SimulateError, Simulation,
+    SimulationReport, simulate,
+};

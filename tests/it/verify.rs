@@ -1,0 +1,253 @@
+//! Programs cut in simulation, as read back, and compared with the part they are for.
+
+use crate::command::horma;
+use crate::jobs::{WHEEL, cut, program_of, small_last};
+use crate::parts::{Folder, real};
+use horma::cam::{SetupOptions, Strategy, set_up};
+use horma::gcode::{Dialect, Program, read};
+use horma::geom::{Aabb, LengthUnit, Point3, Surface, TriMesh, shapes};
+use horma::io::{Overwrite, read_surface, write_surface};
+use horma::machine::Machine;
+use horma::measure::{CollisionKind, simulate};
+use horma::progress::Silent;
+use horma::stock::{Layout, Resolution, Stock};
+use horma::tool::{Tool, ToolLibrary};
+use horma::workflow::cam::CamOptions;
+use horma::workflow::verify::{RawBlock, Verified, VerifyJob, VerifyOptions, asked, verify};
+use serde_json::Value;
+use std::fmt::Write;
+use std::process::Output;
+
+fn lathe() -> Machine {
+    Machine::builtin("last-lathe").unwrap()
+}
+
+fn wheel() -> Tool {
+    ToolLibrary::builtin().find(WHEEL).unwrap()
+}
+
+/// What `program` makes of a block around `part`.
+fn verified(part: &TriMesh, program: &Program, block: RawBlock, resolution: f64) -> Verified {
+    let machine = lathe();
+    let head = asked(program).unwrap();
+    let options = VerifyOptions { resolution: Some(resolution), tolerance: None };
+    let job = VerifyJob {
+        program_name: "program".into(),
+        program,
+        part_name: "part".into(),
+        surface: Surface::Mesh(part.clone()),
+        notes: Vec::new(),
+        machine: &machine,
+        tools: vec![wheel()],
+        setup: &head.options.unwrap_or_default(),
+        block,
+        options: &options,
+    };
+    verify(job, &Silent).unwrap()
+}
+
+/// A round bar of radius 30, 100 mm long: it comes to stand at X 25 to 125.
+fn round_bar() -> TriMesh {
+    shapes::prism(720, 30.0, 100.0)
+}
+
+/// Rings around that bar at `pitch`, as deep as `depth(x)` says, in moves of 10 degrees.
+fn rings(pitch: f64, depth: impl Fn(f64) -> f64) -> Program {
+    let mut text = String::from("G21 G90 G94\nG0 Y140\nG0 X0 A0\nS6000 M4\n");
+    let n_rings = (150.0 / pitch) as usize;
+    for i in 0..=n_rings {
+        let x = pitch * i as f64;
+        let y = 100.0 - depth(x);
+        let _ = writeln!(text, "G1 X{x:.3} Y{y:.4} F1000");
+        for turn in 1..=36 {
+            let _ = writeln!(text, "G1 A{}", 360 * i + 10 * turn);
+        }
+    }
+    text.push_str("G0 Y140\nM30\n");
+    read(&mut text.as_bytes(), &lathe(), &linuxcnc()).unwrap()
+}
+
+#[test]
+fn a_bar_turned_right_is_right_within_the_stated_error() {
+    let program = rings(1.0, |_| 0.0);
+    let found = verified(&round_bar(), &program, RawBlock::Grown(1.0), 0.5).report;
+    assert!(found.is_clean(), "{:?}", found.faults);
+    let resolution = found.simulation.resolution;
+    assert!(resolution.sweep > 0.0 && resolution.sweep <= 0.011, "{resolution:?}");
+    assert!(resolution.hollow.is_some_and(|error| error < 0.01), "{resolution:?}");
+    let cusp = 10.0 - (100.0_f64 - 0.25).sqrt();
+    let left = found.deviation.left.unwrap().value;
+    assert!(left < cusp + resolution.sweep + 1e-3, "{left}");
+    // The stubs are thinner than the bar, and the wheel stays at its radius: air.
+    assert!(found.deviation.gouge.is_none_or(|spot| spot.value < 1e-3));
+    assert!((found.simulation.greatest_depth.unwrap().value - 1.0).abs() < 0.02);
+    let histogram: f64 = found.deviation.histogram.iter().map(|bin| bin.area).sum();
+    assert!((histogram / found.deviation.area - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_gouge_is_caught_to_a_hundredth_where_it_is() {
+    let program = rings(1.0, |x| if x == 73.0 { 0.37 } else { 0.0 });
+    let found = verified(&round_bar(), &program, RawBlock::Grown(1.0), 0.5).report;
+    let gouge = found.deviation.gouge.unwrap();
+    assert!((gouge.value - 0.37).abs() < 0.01, "{gouge:?}");
+    assert!((gouge.at[0] - 73.0).abs() <= 0.25, "{gouge:?}");
+    // The groove of a nose of radius 10, 0.37 deep, is 5.4 mm wide.
+    assert!(
+        (found.deviation.gouged_area / 942.0 - 1.0).abs() < 0.15,
+        "{}",
+        found.deviation.gouged_area
+    );
+    assert!(!found.is_clean() && found.faults[0].starts_with("the part is cut 0.3"));
+}
+
+#[test]
+fn a_rapid_through_material_is_a_collision_with_its_line() {
+    let text = "G21 G90 G94\nG0 Y140\nG0 X60 A0\nG0 Y98.5\nG0 Y140\nG1 X61 F100\nM30\n";
+    let program = read(&mut text.as_bytes(), &lathe(), &linuxcnc()).unwrap();
+    let found = verified(&round_bar(), &program, RawBlock::Grown(0.5), 0.5).report;
+    let [collision] = found.simulation.collisions[..] else { panic!("{:?}", found.faults) };
+    assert_eq!((collision.line, collision.kind), (4, CollisionKind::Rapid));
+    assert!((collision.depth - 2.0).abs() < 0.02, "{collision:?}");
+}
+
+#[test]
+fn a_pass_that_was_made_before_cuts_air() {
+    let lines = "G1 X60 Y99 F1000\nG1 X80\nG1 X60\nG1 X80\n";
+    let text = format!("G21 G90 G94\nG0 Y140\nG0 X40 A0\n{lines}G1 Y130\nG0 Y140\nM30\n");
+    let program = read(&mut text.as_bytes(), &lathe(), &linuxcnc()).unwrap();
+    let found = verified(&round_bar(), &program, RawBlock::Grown(0.5), 0.5).report.simulation;
+    // Three lines of 20 mm are neither first nor last nor plunge; the first cuts.
+    assert!((found.air_share - 2.0 / 3.0).abs() < 0.01, "{found:?}");
+}
+
+#[test]
+fn a_prism_cut_by_its_program_has_its_own_volume() {
+    let prism = shapes::prism(6, 25.0, 100.0);
+    let options = CamOptions {
+        tool: Some(WHEEL.into()),
+        strategy: Some(Strategy::Helix),
+        pitch: Some(0.5),
+        ..Default::default()
+    };
+    let machine = lathe();
+    let plan = cut(&prism, "last-lathe", &options);
+    let program = program_of(&plan, &machine);
+    let setup = set_up(Surface::Mesh(prism), &machine, &SetupOptions::default()).unwrap();
+    let [from, to] = [setup.part.min.x + 35.0, setup.part.max.x - 35.0];
+    let inside = Aabb { min: Point3::new(from, -26.0, -26.0), max: Point3::new(to, 26.0, 26.0) };
+    let resolution = Resolution::even(0.4);
+    let layout = Layout::new(&machine, &machine.at_rest(), &inside, resolution).unwrap();
+    let stock = Stock::cylinder(layout, 26.0);
+    let done = simulate(&program, &machine, &[wheel()], stock, &Silent).unwrap();
+    let expected = 3.0 * 625.0 * (std::f64::consts::TAU / 6.0).sin() * (to - from);
+    let volume = done.report.end_volume;
+    assert!((volume / expected - 1.0).abs() < 1e-3, "{volume} for {expected}");
+    assert_eq!(done.report.n_collisions, 0);
+    let balance = done.report.start_volume - volume - done.report.removed;
+    assert!(balance.abs() < 1e-6 * expected, "{balance}");
+}
+
+#[test]
+fn what_a_wheel_is_too_large_for_is_told_from_what_it_passed_by() {
+    // A bar with a groove no wheel of 10 mm can enter, turned with rings that leave out a stretch.
+    let mut part = shapes::stub(180, 30.0, 0.0, 40.0);
+    part.append(shapes::stub(180, 27.0, 40.0, 43.0));
+    part.append(shapes::stub(180, 30.0, 43.0, 100.0));
+    let program = rings(1.0, |x| if (95.0..105.0).contains(&x) { -0.4 } else { 0.0 });
+    let found = verified(&part, &program, RawBlock::Cylinder(31.0), 0.5).report.deviation;
+    let (by_tool, by_path) = (found.left_by_tool.unwrap(), found.left_by_path.unwrap());
+    // 3 mm wide, 3 mm deep: the nose dips in by 10 - sqrt(100 - 1.5^2) = 0.113 mm.
+    assert!(
+        (by_tool.value - 1.5).abs() < 0.1,
+        "half the groove's width from its walls: {by_tool:?}"
+    );
+    assert!((by_tool.at[0] - 66.5).abs() < 2.0, "{by_tool:?}");
+    assert!((by_path.value - 0.4).abs() < 0.05, "{by_path:?}");
+    assert!((95.0..105.0).contains(&by_path.at[0]), "{by_path:?}");
+}
+
+#[test]
+fn a_tilted_part_is_refused_by_name() {
+    let mill = Machine::builtin("mill-5axis").unwrap();
+    let text = "G21 G90 G94\nG0 Z90\nG0 X0 Y0 A0 C0\nG1 Z60 F100\nG1 A20\nM30\n";
+    let program = read(&mut text.as_bytes(), &mill, &linuxcnc()).unwrap();
+    let job = VerifyJob {
+        program_name: "tilt".into(),
+        program: &program,
+        part_name: "cube".into(),
+        surface: Surface::Mesh(shapes::cuboid(&Aabb {
+            min: Point3::new(-10.0, -10.0, 0.0),
+            max: Point3::new(10.0, 10.0, 20.0),
+        })),
+        notes: Vec::new(),
+        machine: &mill,
+        tools: vec![ToolLibrary::builtin().find("ball-10").unwrap()],
+        setup: &CamOptions::default(),
+        block: RawBlock::Box(1.0),
+        options: &VerifyOptions { resolution: Some(1.0), tolerance: None },
+    };
+    let message = verify(job, &Silent).unwrap_err().to_string();
+    assert!(message.contains("20.000 degrees off"), "{message}");
+}
+
+#[test]
+fn the_command_sets_the_part_up_as_the_header_says_and_its_exit_code_judges() {
+    let shop = Folder::new();
+    let last = Surface::Mesh(small_last(240.0));
+    write_surface(&shop.path("last.stl"), &last, Overwrite::Refuse).unwrap();
+    let [part, program, map] = ["last.stl", "out.ngc", "map.ply"].map(|name| shop.path(name));
+    let [part, program, map] = [&part, &program, &map].map(|path| path.to_str().unwrap());
+    let coarse = ["--pitch", "8", "--points-per-turn", "90", "--no-pictures", "--mirror", "--flip"];
+    let told = horma(&[&["cam", part, "-m", "last-lathe", "-o", program][..], &coarse].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+
+    let base = ["verify", program, part, "-m", "last-lathe", "--resolution", "1.5", "--force"];
+    let told = horma(&[&base[..], &["--tolerance", "1", "--map", map, "--json"]].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    let written = std::fs::read(shop.path("out.verify.json")).unwrap();
+    assert_eq!(serde_json::from_slice::<Value>(&written).unwrap(), report);
+    assert!(report["deviation"]["gouge"]["value"].as_f64().unwrap() < 1.0);
+    assert_eq!(report["faults"], Value::Array(Vec::new()));
+    let page = std::fs::read_to_string(shop.path("out.verify.html")).unwrap();
+    assert!(page.contains("Deepest gouge") && page.contains("data:image/png"));
+    let Surface::Mesh(map) = read_surface(map.as_ref(), None).unwrap().surface else { panic!() };
+    assert!(map.colors.is_some_and(|colors| colors.len() == map.points.len()));
+
+    // Set up without what the header says, the program is for another foot.
+    let told = horma(&[&base[..], &["--tolerance", "1", "--no-header"]].concat());
+    assert_eq!(told.status.code(), Some(65), "{}", said(&told));
+    assert!(said(&told).contains("the part is cut "), "{}", said(&told));
+    let told = horma(&[&base[..], &["--stock", "cylinder:5"]].concat());
+    assert_eq!(told.status.code(), Some(65));
+    assert!(said(&told).contains("a cylinder of radius 5 mm does not hold the part"));
+}
+
+fn said(told: &Output) -> String {
+    String::from_utf8_lossy(&told.stderr).into_owned()
+}
+
+#[test]
+fn what_is_left_of_a_foot_is_explained() {
+    let Some(path) = real("lasts/find_foot/foot_mean_left.obj") else { return };
+    let foot = read_surface(&path, Some(LengthUnit::Millimetre)).unwrap().surface;
+    let foot = foot.into_mesh().unwrap();
+    let options =
+        CamOptions { tool: Some(WHEEL.into()), pitch: Some(1.0), ..CamOptions::default() };
+    let plan = cut(&foot, "last-lathe", &options);
+    let program = program_of(&plan, &lathe());
+    let found = verified(&foot, &program, RawBlock::Grown(1.0), 0.5).report;
+    eprintln!("{:#?}\n{:#?}", found.simulation, found.deviation);
+    assert_eq!(found.simulation.n_collisions, 0);
+    let deviation = &found.deviation;
+    // Nothing is promised between positions yet; a degree a step keeps it to hundredths.
+    assert!(deviation.gouge.is_none_or(|spot| spot.value < 0.2), "{:?}", deviation.gouge);
+    // Nearly all of what is left, the tool is too large for.
+    assert!(deviation.left_area_by_tool > 0.5 * deviation.left_area, "{deviation:?}");
+    assert!(deviation.left_by_tool.unwrap().value > 0.9 * deviation.left.unwrap().value);
+}
+
+fn linuxcnc() -> Dialect {
+    Dialect::named("linuxcnc").unwrap()
+}
