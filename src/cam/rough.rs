@@ -86,13 +86,13 @@ impl<'a> Roughing<'a> {
         let levels = levels(part, block, options)?;
         let mut roughing = Self { part, levels, cuts: Vec::new() };
         let mut stock = block.to_vec();
+        let mut from = None;
         for layer in 0..roughing.levels.len() {
             let is_cut =
                 |i: usize| stock[i].is_some_and(|top| roughing.height(layer, i) + LEAST_CUT < top);
             let runs = runs(part.len(), is_cut);
-            // Of the layer's own order: what it has cut is lower, which is the safe side.
+            // Of before the layer: what it has cut itself is lower, which is the safe side.
             let (tops, n_cuts) = (Tops::new(&stock), roughing.cuts.len());
-            let mut from = None;
             for positions in runs {
                 let lead = from.unwrap_or(positions.start);
                 let rows = lead.min(positions.start).saturating_sub(per_row)
@@ -271,9 +271,7 @@ mod tests {
             let mut last: Option<Cut> = None;
             for cut in &roughing.cuts {
                 let start = cut.positions.start;
-                let lead = last
-                    .filter(|last| last.layer == cut.layer)
-                    .map_or(start, |c| c.positions.end - 1);
+                let lead = last.map_or(start, |last| last.positions.end - 1);
                 let near = lead.saturating_sub(60)..(start + 61).min(stock.len());
                 let is_clear = |top: &f64| top + 1.999 <= cut.link;
                 assert!(stock[near].iter().flatten().all(is_clear), "link to {start}");

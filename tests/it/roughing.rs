@@ -1,6 +1,6 @@
 //! Roughing programs against closed forms.
 
-use crate::jobs::{WHEEL, program_of};
+use crate::jobs::{WHEEL, program_of, small_last};
 use horma::cam::{Block, Strategy};
 use horma::gcode::{Dialect, StepKind};
 use horma::geom::{Surface, TriMesh, shapes};
@@ -8,6 +8,7 @@ use horma::machine::Machine;
 use horma::progress::Silent;
 use horma::tool::ToolLibrary;
 use horma::workflow::cam::{CamError, CamOptions, Job, Plan, rough};
+use horma::workflow::verify::{RawBlock, VerifyJob, VerifyOptions, verify};
 
 /// R + r of the wheel [mm].
 const WHEEL_TOP: f64 = 70.0;
@@ -122,4 +123,41 @@ fn what_cannot_be_roughed_says_why() {
     let huge = Block::Cylinder { radius: Some(400.0) };
     let text = error(&huge, DEPTH, &options());
     assert!(text.contains("Y would have to go to"), "{text}");
+}
+
+#[test]
+fn cut_in_simulation_no_cut_is_too_deep_and_hardly_one_is_in_air() {
+    let last = small_last(150.0);
+    let machine = Machine::builtin("last-lathe").unwrap();
+    let blocks = [
+        (Block::Cylinder { radius: Some(70.0) }, RawBlock::Cylinder(70.0), 0.10),
+        (Block::Box { margin: 4.0 }, RawBlock::Box(4.0), 0.25),
+    ];
+    for (block, raw, most_air) in blocks {
+        let plan = roughed(&last, &block, DEPTH, &options()).unwrap();
+        let program = program_of(&plan, &machine);
+        let setup = CamOptions { allowance: Some(1.0), ..options() };
+        let verified = verify(
+            VerifyJob {
+                program_name: "rough.ngc".into(),
+                program: &program,
+                part_name: "last".into(),
+                surface: Surface::Mesh(last.clone()),
+                notes: Vec::new(),
+                machine: &machine,
+                tools: vec![ToolLibrary::builtin().find(WHEEL).unwrap()],
+                setup: &setup,
+                block: raw,
+                options: &VerifyOptions { resolution: Some(1.0), ..VerifyOptions::default() },
+            },
+            &Silent,
+        )
+        .unwrap();
+        let report = &verified.report;
+        assert!(report.faults.is_empty(), "{:?}", report.faults);
+        let cutting = &report.simulation;
+        let depth = cutting.greatest_depth.map_or(0.0, |deepest| deepest.value);
+        assert!(depth <= DEPTH + 0.05, "{depth} mm deep");
+        assert!(cutting.air_share <= most_air, "{block}: {} of the feed time", cutting.air_share);
+    }
 }
