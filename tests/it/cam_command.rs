@@ -122,7 +122,13 @@ fn the_demo_ends_well_and_its_program_can_be_checked_and_taken_up_again() {
     assert!(next.contains("horma check") && next.contains("horma cam"), "{next}");
     let mut names = names_in(&folder);
     names.sort_unstable();
-    assert_eq!(names, ["last.ngc", "last.report.html", "last.report.json", "last.stl"]);
+    let programs = ["last", "rough"].map(|name| {
+        ["ngc", "report.html", "report.json"].map(|extension| format!("{name}.{extension}"))
+    });
+    let mut expected = programs.concat();
+    expected.extend(["last.stl", "last.verify.html", "last.verify.json"].map(String::from));
+    expected.sort_unstable();
+    assert_eq!(names, expected);
     refused(&horma(&demo), 73, &["exists already"]);
 
     let told = horma(&["check", text(&program), "-m", LATHE]);

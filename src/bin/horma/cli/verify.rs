@@ -207,31 +207,45 @@ impl VerifyArgs {
     fn outputs(&self) -> anyhow::Result<[PathBuf; 2]> {
         let page = self.output.clone();
         let page = page.unwrap_or_else(|| self.program.with_extension("verify.html"));
-        let outputs = [page.clone(), page.with_extension("json")];
-        let mut trial = OutputSet::new(self.overwrite());
-        for path in &outputs {
-            trial.add(path, |_| Ok(()))?;
-        }
-        Ok(outputs)
+        checked_outputs(&page, self.overwrite())
     }
 
-    fn write(&self, verified: &Verified, [page, json]: &[PathBuf; 2]) -> anyhow::Result<()> {
-        let shown = html(&verify_page(verified)?);
-        let numbers = serde_json::to_vec_pretty(&verified.report)?;
-        let mut files = OutputSet::new(self.overwrite());
-        files.add(page, |out| out.write_all(shown.as_bytes()))?;
-        files.add(json, |out| out.write_all(&numbers))?;
+    fn write(&self, verified: &Verified, outputs: &[PathBuf; 2]) -> anyhow::Result<()> {
         if let Some(path) = &self.map {
             let full = verified.report.tolerance.max(0.1);
             let map = Surface::Mesh(deviation_map(verified, full));
             io::write_surface(path, &map, self.overwrite())?;
         }
-        Ok(files.commit()?)
+        write(verified, outputs, self.overwrite())
     }
 
     fn overwrite(&self) -> Overwrite {
         if self.force { Overwrite::Replace } else { Overwrite::Refuse }
     }
+}
+
+/// The page and its numbers beside it; refused if they cannot be written.
+pub(crate) fn checked_outputs(page: &Path, overwrite: Overwrite) -> anyhow::Result<[PathBuf; 2]> {
+    let outputs = [page.to_owned(), page.with_extension("json")];
+    let mut trial = OutputSet::new(overwrite);
+    for path in &outputs {
+        trial.add(path, |_| Ok(()))?;
+    }
+    Ok(outputs)
+}
+
+/// Writes the page and its numbers: both, or none.
+pub(crate) fn write(
+    verified: &Verified,
+    [page, json]: &[PathBuf; 2],
+    overwrite: Overwrite,
+) -> anyhow::Result<()> {
+    let shown = html(&verify_page(verified)?);
+    let numbers = serde_json::to_vec_pretty(&verified.report)?;
+    let mut files = OutputSet::new(overwrite);
+    files.add(page, |out| out.write_all(shown.as_bytes()))?;
+    files.add(json, |out| out.write_all(&numbers))?;
+    Ok(files.commit()?)
 }
 
 fn name(path: &Path) -> String {
