@@ -272,7 +272,8 @@ mod tests {
             for cut in &roughing.cuts {
                 let start = cut.positions.start;
                 let lead = last.map_or(start, |last| last.positions.end - 1);
-                let near = lead.saturating_sub(60)..(start + 61).min(stock.len());
+                let near =
+                    lead.min(start).saturating_sub(60)..(lead.max(start) + 61).min(stock.len());
                 let is_clear = |top: &f64| top + 1.999 <= cut.link;
                 assert!(stock[near].iter().flatten().all(is_clear), "link to {start}");
                 assert!(stock[start].is_none_or(|top| top + 1.999 <= cut.above));
