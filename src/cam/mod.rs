@@ -1,6 +1,7 @@
 //! From a part on a machine to a toolpath.
 
 mod block;
+mod certify;
 mod clamps;
 mod contour;
 mod digitize;
@@ -14,6 +15,9 @@ mod toolpath;
 mod trajectory;
 
 pub use block::{Block, BlockError};
+pub use certify::{
+    Certificate, Certified, CertifyOptions, Draft, Grid, Lift, Position, ShortestStep, certify,
+};
 pub use clamps::ClampError;
 pub use contour::{Across, ContourOptions, contours};
 pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};

@@ -3,13 +3,10 @@
 //! One shape serves ball, flat, bull, cone and ball-cone mills (the APT tool): seen from the axis
 //! outwards a flat, a corner arc, a straight flank, and a rim arc that only an allowance makes.
 
-use super::height::{HeightFunction, Jet, Reach, Tangent};
+use super::height::{HeightFunction, Jet, Reach, Sharpness, Swept, Tangent};
 use super::wheel::disc_chord;
 use crate::geom::Vector3;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
-
-/// Tangent planes touch arcs no farther out than this share of their radius: the slope stays finite.
-const TANGENT_SHARE: f32 = 0.9;
 
 /// An end mill by the pieces of its height function `u(rho)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,19 +153,25 @@ impl HeightFunction for Mill {
     }
 
     #[inline(always)]
-    fn tangent<S: Simd>(&self, simd: S, x: f32x16<S>, z: f32x16<S>) -> Tangent<S> {
+    fn tangent_within<S: Simd>(
+        &self,
+        simd: S,
+        x: f32x16<S>,
+        z: f32x16<S>,
+        share: f32,
+    ) -> Tangent<S> {
         let splat = |value: f64| f32x16::splat(simd, value as f32);
         let rho = (x * x + z * z).sqrt();
         let outer = self.flank.map_or(self.corner, |flank| flank.rim);
-        let at = rho.min((outer.center + f64::from(TANGENT_SHARE) * outer.radius) as f32);
-        let (mut value, mut slope) = self.corner.tangent(simd, at);
+        let at = rho.min((outer.center + f64::from(share) * outer.radius) as f32);
+        let (mut value, mut slope) = self.corner.tangent(simd, at, share);
         if let Some(flank) = &self.flank {
             let straight = at.simd_gt(flank.from as f32);
             let line = (splat(flank.from) - at) * flank.slope as f32 + flank.at as f32;
             value = straight.select(line, value);
             slope = straight.select(splat(-flank.slope), slope);
             let outer = at.simd_gt(flank.to as f32);
-            let (rim_value, rim_slope) = flank.rim.tangent(simd, at);
+            let (rim_value, rim_slope) = flank.rim.tangent(simd, at, share);
             value = outer.select(rim_value, value);
             slope = outer.select(rim_slope, slope);
         }
@@ -181,6 +184,41 @@ impl HeightFunction for Mill {
             slope_x: slope * along_x,
             slope_z: slope * along_z,
         }
+    }
+
+    // Both principal bends of an arc, `R^2 / h^3` outwards and `slope / rho <= 1 / h` around, grow
+    // outwards; that of a flank around the axis, `slope / rho`, grows inwards.
+    #[inline(always)]
+    fn sharpness<S: Simd>(&self, simd: S, swept: &Swept<S>, share: f32) -> Sharpness<S> {
+        // The arc that an allowance puts around the rim is not looked into.
+        let arc = &self.corner;
+        let arc_limit = arc.center + f64::from(share) * arc.radius;
+        let limit = self
+            .flank
+            .map_or(arc_limit, |flank| flank.from + f64::from(share) * (flank.to - flank.from));
+        let x = (swept.x.abs() - swept.half_x).max(0.0);
+        let z = (swept.z.abs() - swept.half_z).max(0.0);
+        let nearest = (x * x + z * z).sqrt();
+        // The root's own rounding must not put outside what is not.
+        let is_outside = nearest.simd_gt(self.radius as f32 * (1.0 + 4.0 * f32::EPSILON));
+        let (x, z) = (swept.x.abs() + swept.half_x, swept.z.abs() + swept.half_z);
+        let rho = (x * x + z * z).sqrt();
+        let is_within = rho.simd_le(limit as f32);
+        let rho = rho.min(limit as f32);
+        let step2 = swept.step_x * swept.step_x + swept.step_z * swept.step_z;
+        let (mut slope, mut bend) = arc.sharpness(simd, rho, step2);
+        if let Some(flank) = &self.flank {
+            let from = flank.from as f32;
+            let around = step2 * flank.slope as f32 / nearest.max(from);
+            let (_, of_arc) = arc.sharpness(simd, f32x16::splat(simd, from), step2);
+            let of_flank = nearest.simd_le(from).select(around.max(of_arc), around);
+            let is_on_flank = rho.simd_ge(from);
+            slope = is_on_flank.select(f32x16::splat(simd, flank.slope as f32), slope);
+            bend = is_on_flank.select(of_flank, bend);
+        }
+        let beyond = self.profile(limit).value as f32;
+        let beyond = beyond + (beyond.abs() + self.radius as f32) * (4.0 * f32::EPSILON);
+        Sharpness { slope_x: slope, slope_z: slope, bend, is_outside, is_within, beyond }
     }
 
     #[inline(always)]
@@ -206,10 +244,32 @@ impl HeightFunction for Mill {
 }
 
 impl Arc {
+    /// The greatest slope, and bend along a motion of length `step2` squared, up to a distance from
+    /// the axis.
+    #[inline(always)]
+    fn sharpness<S: Simd>(
+        &self,
+        simd: S,
+        rho: f32x16<S>,
+        step2: f32x16<S>,
+    ) -> (f32x16<S>, f32x16<S>) {
+        let never = f32x16::splat(simd, f32::INFINITY);
+        let level = f32x16::splat(simd, 0.0);
+        let radius = self.radius as f32;
+        let out = rho - self.center as f32;
+        let height2 = (radius - out) * (out + radius);
+        let height = height2.max(0.0).sqrt();
+        let is_inside = out.simd_lt(radius);
+        let bend = is_inside.select(step2 * (radius * radius) / (height2 * height), never);
+        let slope = is_inside.select(out / height, never);
+        let is_level = out.simd_le(0.0);
+        (is_level.select(level, slope), is_level.select(level, bend))
+    }
+
     /// Value and slope at sixteen distances from the axis.
     #[inline(always)]
-    fn tangent<S: Simd>(&self, simd: S, rho: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
-        let limit = TANGENT_SHARE * self.radius as f32;
+    fn tangent<S: Simd>(&self, simd: S, rho: f32x16<S>, share: f32) -> (f32x16<S>, f32x16<S>) {
+        let limit = share * self.radius as f32;
         let out = (rho - self.center as f32).max(0.0).min(limit);
         let radius = f32x16::splat(simd, self.radius as f32);
         let height = (radius * radius - out * out).sqrt();

@@ -16,7 +16,7 @@ mod wheel;
 pub use cutter::Cutter;
 pub use error::ToolError;
 pub(crate) use error::{hint, nearest};
-pub use height::{HeightFunction, Jet, Reach, Tangent};
+pub use height::{HeightFunction, Jet, Reach, Sharpness, Swept, Tangent};
 pub use library::ToolLibrary;
 pub use mill::Mill;
 pub use place::Place;

@@ -2,12 +2,9 @@
 //!
 //! Morell (2014), eq. 4.7; ARCHITECTURE section 4.
 
-use super::height::{HeightFunction, Jet, Reach, Tangent};
+use super::height::{HeightFunction, Jet, Reach, Sharpness, Swept, Tangent};
 use crate::geom::Vector3;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
-
-/// Tangent planes touch no farther out than this share of the shadow: the slope stays finite.
-const TANGENT_SHARE: f32 = 0.9;
 
 /// A torus wheel by the radii of its height function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,18 +80,57 @@ impl HeightFunction for Wheel {
     }
 
     #[inline(always)]
-    fn tangent<S: Simd>(&self, simd: S, x: f32x16<S>, z: f32x16<S>) -> Tangent<S> {
+    fn tangent_within<S: Simd>(
+        &self,
+        simd: S,
+        x: f32x16<S>,
+        z: f32x16<S>,
+        share: f32,
+    ) -> Tangent<S> {
         let (major, minor) = (self.major as f32, self.minor as f32);
-        let x_limit = minor * TANGENT_SHARE;
+        let x_limit = minor * share;
         let x0 = x.max(-x_limit).min(x_limit);
         let nose = (f32x16::splat(simd, minor * minor) - x0 * x0).sqrt();
         let radius = nose + major;
-        let z_limit = radius * TANGENT_SHARE;
+        let z_limit = radius * share;
         let z0 = z.max(-z_limit).min(z_limit);
         let value = (radius * radius - z0 * z0).sqrt();
         // One division for both slopes.
-        let share = f32x16::splat(simd, 1.0) / (nose * value);
-        Tangent { x0, z0, value, slope_x: -radius * x0 * share, slope_z: -z0 * nose * share }
+        let scale = f32x16::splat(simd, 1.0) / (nose * value);
+        Tangent { x0, z0, value, slope_x: -radius * x0 * scale, slope_z: -z0 * nose * scale }
+    }
+
+    // Every factor of the second derivatives (see `least_bend`) grows with |x| and with |z|, so that
+    // the corner farthest out tells for the whole rectangle.
+    #[inline(always)]
+    fn sharpness<S: Simd>(&self, simd: S, swept: &Swept<S>, share: f32) -> Sharpness<S> {
+        let (major, minor) = (self.major as f32, self.minor as f32);
+        let x_limit = minor * share;
+        let least_radius = major + ((minor - x_limit) * (minor + x_limit)).sqrt();
+        let z_limit = least_radius * share;
+        let rim = major + minor;
+        let beyond = least_radius.max(((rim - z_limit) * (rim + z_limit)).sqrt());
+        let (x, z) = (swept.x.abs() - swept.half_x, swept.z.abs() - swept.half_z);
+        let is_outside = x.simd_gt(minor) | z.simd_gt(rim);
+        let (x, z) = (swept.x.abs() + swept.half_x, swept.z.abs() + swept.half_z);
+        let is_within = x.simd_le(x_limit) & z.simd_le(z_limit);
+        let (x, z) = (x.min(x_limit), z.min(z_limit));
+        let nose2 = (f32x16::splat(simd, minor) - x) * (x + minor);
+        let nose = nose2.sqrt();
+        let radius = nose + major;
+        let height = ((radius - z) * (radius + z)).sqrt();
+        let (nose_slope, open) = (x / nose, radius / height);
+        let turned = z / radius * nose_slope * swept.step_x + swept.step_z;
+        let across = turned * turned * open * open * open / radius;
+        let along = swept.step_x * swept.step_x * open * (minor * minor) / (nose2 * nose);
+        Sharpness {
+            slope_x: open * nose_slope,
+            slope_z: z / height,
+            bend: across + along,
+            is_outside,
+            is_within,
+            beyond: beyond * (1.0 + 4.0 * f32::EPSILON),
+        }
     }
 
     #[inline(always)]

@@ -162,6 +162,8 @@ fn nearest(words: &Words, gap: impl Fn(Point, &Words) -> f64) -> f64 {
 /// A helix of few positions about the part's own X.
 fn around() -> CamOptions {
     CamOptions {
+        // The tool touches at every position: as digitized, without a lift.
+        no_certify: true,
         strategy: Some(Strategy::Helix),
         axis: Some("x".into()),
         centre: Some(Centre::Origin),
@@ -174,6 +176,8 @@ fn around() -> CamOptions {
 /// A raster of few positions over the part as it stands.
 fn over() -> CamOptions {
     CamOptions {
+        // The tool touches at every position: as digitized, without a lift.
+        no_certify: true,
         tool: Some(format!("ball:{BALL}")),
         strategy: Some(Strategy::Raster),
         centre: Some(Centre::Box),

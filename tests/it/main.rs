@@ -4,6 +4,7 @@ mod bad_files;
 mod cam_command;
 mod cam_paths;
 mod cam_refusals;
+mod certify;
 mod chirality;
 mod command;
 mod dialect_command;

@@ -21,7 +21,7 @@ const MANY: usize = 6;
 
 /// What one search leaves to the next: where it ended, and its lists.
 #[derive(Debug, Default)]
-pub(super) struct Memory {
+pub(in crate::cam) struct Memory {
     last: u32,
     nodes: List<u32>,
     next: List<u32>,
@@ -34,7 +34,7 @@ pub(super) struct Memory {
 /// The highest touch of all primitives. Where the last search ended decides the time, never the
 /// answer.
 #[inline(always)]
-pub(super) fn drop<S: Simd>(
+pub(in crate::cam) fn drop<S: Simd>(
     simd: S,
     part: &Part,
     tool: &impl HeightFunction,

@@ -18,15 +18,17 @@ mod part;
 mod touch;
 mod view;
 
+pub(super) use indexed::{Memory, drop as drop_indexed};
 pub use part::Part;
+pub(super) use part::{Found, Tree};
 pub use touch::ContactKind;
+pub(super) use view::View;
 
 use crate::geom::{Point3, Pose, Vector3};
 use crate::progress::{Cancelled, Progress};
 use crate::tool::{Cutter, HeightFunction};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
-use view::View;
 
 /// Positions one thread takes at a time; the search of each starts from the one before.
 const CHUNK: usize = 512;
@@ -130,7 +132,7 @@ impl Digitizer<'_> {
         chunk: &mut [Option<Contact>],
         attack_from_part: impl Fn(usize) -> Pose,
     ) {
-        let mut memory = indexed::Memory::default();
+        let mut memory = Memory::default();
         for (i, slot) in chunk.iter_mut().enumerate() {
             let view = View::new(&attack_from_part(i));
             let found = match self.method {

@@ -20,9 +20,15 @@ pub(super) enum Primitives {
     Points(Vec<Point3>, PatchTree<1>),
 }
 
+/// The tree over them.
+pub(in crate::cam) enum Tree<'a> {
+    Triangles(&'a PatchTree<3>),
+    Points(&'a PatchTree<1>),
+}
+
 /// The best touch so far and what it is on.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(in crate::cam) struct Found {
     pub(super) touch: Touch,
     /// Its number.
     pub(super) primitive: u32,
@@ -50,6 +56,14 @@ impl Part {
         match &self.primitives {
             Primitives::Triangles(facets, _) => facets.len(),
             Primitives::Points(points, _) => points.len(),
+        }
+    }
+
+    /// The tree over its primitives.
+    pub(in crate::cam) fn tree(&self) -> Tree<'_> {
+        match &self.primitives {
+            Primitives::Triangles(_, tree) => Tree::Triangles(tree),
+            Primitives::Points(_, tree) => Tree::Points(tree),
         }
     }
 
@@ -110,7 +124,12 @@ impl Found {
     }
 
     /// The contact in the part frame.
-    pub(super) fn contact(&self, part: &Part, tool: &impl HeightFunction, view: &View) -> Contact {
+    pub(in crate::cam) fn contact(
+        &self,
+        part: &Part,
+        tool: &impl HeightFunction,
+        view: &View,
+    ) -> Contact {
         let Touch { height, at, kind, .. } = self.touch;
         let normal = match (&part.primitives, kind) {
             (Primitives::Triangles(facets, _), ContactKind::Facet) => {

@@ -4,7 +4,7 @@ use crate::geom::{Matrix3, Point3, Pose, Vector3};
 
 /// The attack frame from the part frame, ready for many points.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct View {
+pub(in crate::cam) struct View {
     /// Turns part directions into attack directions.
     pub(super) rotation: Matrix3,
     /// The part's origin, seen from the tool's programmed point [mm].
@@ -12,7 +12,7 @@ pub(super) struct View {
 }
 
 impl View {
-    pub(super) fn new(attack_from_part: &Pose) -> Self {
+    pub(in crate::cam) fn new(attack_from_part: &Pose) -> Self {
         Self {
             rotation: attack_from_part.rotation.to_rotation_matrix().into_inner(),
             shift: attack_from_part.translation.vector,

@@ -11,7 +11,7 @@ const MOST_SHOWN: usize = 20_000;
 /// The attack words of all positions, missed ones by their rule.
 pub(super) struct Heights<'a> {
     pub(super) contacts: &'a [Option<Contact>],
-    machine: &'a Machine,
+    pub(super) machine: &'a Machine,
     /// Missed positions with the heights they hold; none where they are clear.
     held: Option<Vec<(usize, f64)>>,
     clear: f64,

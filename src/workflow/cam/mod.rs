@@ -1,5 +1,6 @@
-//! From a part to a program: set up, run, digitize, schedule, post, read back, report.
+//! From a part to a program: set up, run, digitize, certify, schedule, post, read back, report.
 
+mod certified;
 mod heights;
 mod options;
 mod plan;

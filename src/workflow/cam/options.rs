@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// job file.
 #[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
 #[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct CamOptions {
     /// The tool: a name or number of the tool library, or a shape such as wheel:60,10 or ball:3
     /// [default: the machine's own].
@@ -90,6 +91,25 @@ pub struct CamOptions {
     #[arg(long, value_name = "RULE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub off_part: Option<OffPart>,
+    /// The deepest gouge allowed anywhere on the path, between positions too; steps are put in until
+    /// that is proved [mm; default: 0.01 for a wheel; with other tools, for which it takes long,
+    /// nothing is proved unless this is given].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// No step put in is shorter than this; where the height jumps the attack axis is lifted instead
+    /// [mm and deg; default: 0.005].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_step: Option<f64>,
+    /// Leave out steps that the tolerance does not need.
+    #[arg(long, conflicts_with = "no_certify")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub thin: bool,
+    /// Take the path as digitized: nothing is proved of what lies between positions.
+    #[arg(long, conflicts_with_all = ["tolerance", "min_step"])]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub no_certify: bool,
     /// What is digitized [default: triangles; points for a cloud].
     #[arg(long, value_name = "MODE")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -160,6 +180,17 @@ pub enum OptionsError {
         /// What it must be.
         must: &'static str,
     },
+    /// A bound finer than words are.
+    #[error(
+        "--tolerance is {tolerance} mm, and a word is rounded by up to {rounding} mm: ask for more than \
+         that"
+    )]
+    TooFine {
+        /// What was asked for [mm].
+        tolerance: f64,
+        /// Half the last decimal of the dialect's words [mm].
+        rounding: f64,
+    },
     /// A held axis that is none, or no number.
     #[error("hold {text:?} is no axis and word of {machine}; write for example A=30")]
     Hold {
@@ -197,6 +228,8 @@ impl CamOptions {
             ("--rpm", self.rpm),
             ("--speed", self.speed),
             ("--corner-tolerance", self.corner_tolerance),
+            ("--tolerance", self.tolerance),
+            ("--min-step", self.min_step),
             ("--points-per-turn", self.points_per_turn.map(f64::from)),
         ];
         let from_0 =
@@ -225,6 +258,11 @@ impl CamOptions {
         if self.rpm.is_some() && self.feed.is_some() {
             return Err(OptionsError::Conflict("give --feed or --rpm, not both"));
         }
+        if self.no_certify && (self.tolerance.is_some() || self.min_step.is_some() || self.thin) {
+            return Err(OptionsError::Conflict(
+                "--no-certify leaves nothing for --tolerance, --min-step and --thin to say",
+            ));
+        }
         Ok(())
     }
 
@@ -245,6 +283,10 @@ impl CamOptions {
             ("step", &["points-per-mm"]),
             ("feed", &["rpm"]),
             ("rpm", &["feed"]),
+            ("no-certify", &["tolerance", "min-step", "thin"]),
+            ("tolerance", &["no-certify"]),
+            ("min-step", &["no-certify"]),
+            ("thin", &["no-certify"]),
         ];
         for rival in rivals.iter().filter(|(key, _)| ours.contains_key(*key)).flat_map(|r| r.1) {
             all.remove(*rival);

@@ -1,5 +1,6 @@
 //! The job itself, step by step.
 
+use super::certified::{self, Proof};
 use super::heights::Heights;
 use super::options::{CamOptions, Mode, OptionsError};
 use super::program::{header, write_and_read_back};
@@ -140,26 +141,27 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     let spacing = spacing::spacing(&run, &digitizer, &tool.profile, options, progress)?;
     let way = way_of(&setup, &run, spacing)?;
     within_travel(machine, &way)?;
-    let pose = |i: usize| machine.attack_from_part(&way.values(i));
+    let proof = Proof::asked(options, machine, dialect, &cutter)?;
+    let words = |i: usize| certified::words(proof.as_ref(), machine, &way, i);
+    let pose = |i: usize| machine.attack_from_part(&words(i));
     let mut contacts = digitizer.run(way.n_positions(), pose, progress)?;
     if run.line.is_some() {
         stay_over_part(&mut contacts, setup.n_own);
     }
     let rule = options.off_part.unwrap_or_default();
     let heights = Heights::new(&contacts, rule, machine, clear).ok_or(CamError::Missed)?;
-
-    let pace = pace(&tool, options, clear);
-    let position = |i: usize| {
-        let mut words = way.values(i);
-        words[machine.attack] = heights.word(i);
-        (words, contacts[i].map(|contact| contact.point))
-    };
-    let Pass { path: toolpath, feed } = pass(machine, way.n_positions(), position, pace, progress)?;
-    let run_report = RunReport::new(&way, &setup, &tool, options, (&heights, feed));
+    let (positions, certificate) =
+        certified::positions(proof.as_ref(), &digitizer, &heights, words, progress)?;
+    let mut run_report = RunReport::new(&way, &setup, &tool, options, &heights);
     let is_turned_on_table = run.line.is_some();
     let path = keep_scene.then(|| (heights.touched(), heights.thinned()));
-    // A million positions are 60 MB: gone before the program is made.
+    // A million positions are 70 MB: gone before the program is made.
     drop(contacts);
+    let position = |i: usize| (positions[i].words, positions[i].touched);
+    let pace = pace(&tool, options, clear);
+    let Pass { path: toolpath, feed } = pass(machine, positions.len(), position, pace, progress)?;
+    run_report.held = feed;
+    drop(positions);
 
     let reach = match &setup.surface {
         // Its poses are those of a spindle, or of a part at rest.
@@ -183,6 +185,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         setup: SetupReport::new(&setup, options),
         run: run_report,
         rough: None,
+        certificate,
         reach,
         stock,
         program: written.check,

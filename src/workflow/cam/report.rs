@@ -3,7 +3,7 @@
 use super::CamOptions;
 use super::heights::Heights;
 use super::spacing::scallop;
-use crate::cam::{FeedReport, ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
+use crate::cam::{Certificate, FeedReport, ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
 use crate::gcode::CheckReport;
 use crate::geom::Surface;
 use crate::tool::Tool;
@@ -25,6 +25,8 @@ pub struct CamReport {
     pub run: RunReport,
     /// How a block was roughed; absent for a finishing program.
     pub rough: Option<RoughReport>,
+    /// What is proved of the path between its positions; absent if nothing was asked for.
+    pub certificate: Option<Certificate>,
     /// What of the part the tool can reach; absent for a cloud, and where the table is tilted or a
     /// block is roughed.
     pub reach: Option<ReachReport>,
@@ -123,8 +125,7 @@ pub struct RunReport {
     pub rpm: Option<f64>,
     /// What the machine can hold of the feed, in the cut alone.
     pub held: FeedReport,
-    /// Greatest change of the attack axis between two positions [mm]: between positions nothing is
-    /// promised yet.
+    /// Greatest change of the attack axis between two positions digitized [mm].
     pub greatest_rise: f64,
 }
 
@@ -156,13 +157,13 @@ impl SetupReport {
 }
 
 impl RunReport {
-    /// Of a run and what came of it.
+    /// Of a run and what came of it, but for what is held of its feed.
     pub(super) fn new(
         way: &Trajectory,
         setup: &Setup,
         tool: &Tool,
         options: &CamOptions,
-        (heights, held): (&Heights, FeedReport),
+        heights: &Heights,
     ) -> Self {
         let allowance = options.allowance.unwrap_or(0.0);
         Self {
@@ -179,7 +180,7 @@ impl RunReport {
             scallop: scallop(&tool.profile, way, heights.contacts),
             feed: options.feed.unwrap_or(tool.feed * 60.0),
             rpm: options.rpm,
-            held,
+            held: FeedReport::default(),
             greatest_rise: heights.greatest_rise(),
         }
     }
@@ -207,7 +208,12 @@ impl CamReport {
         }
         if self.part.mode == "points" {
             say("digitized on points alone, as in the thesis: between points the tool may cut into \
-                 the part; give triangles to be exact"
+                 the part, and what is proved is proved of the points; give triangles to be exact"
+                .into());
+        }
+        if self.certificate.is_none() && self.rough.is_none() {
+            say("not certified: between positions the tool may cut into the part; --tolerance proves \
+                 how deep"
                 .into());
         }
         for end in &self.setup.loose {

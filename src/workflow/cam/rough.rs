@@ -91,7 +91,8 @@ pub fn rough(
     let held_heights =
         Heights::new(&contacts, options.off_part.unwrap_or_default(), machine, clear);
     let held_heights = held_heights.ok_or(CamError::Missed)?;
-    let run_report = RunReport::new(&way, &setup, &tool, options, (&held_heights, feed));
+    let mut run_report = RunReport::new(&way, &setup, &tool, options, &held_heights);
+    run_report.held = feed;
     let path = keep_scene.then(|| (cutting.path(), held_heights.thinned()));
     let rough_report = RoughReport {
         block: block.to_string(),
@@ -112,6 +113,7 @@ pub fn rough(
         setup: SetupReport::new(&setup, options),
         run: run_report,
         rough: Some(rough_report),
+        certificate: None,
         reach: None,
         stock: max_depth,
         program: written.check,

@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use super::super::{Block, Table};
-use super::words::{clock, count, fine, pitch, range, reached, strategy, tool};
+use super::words::{clock, count, fine, pitch, proof, proved, range, reached, strategy, tool};
 use crate::cam::{FeedReport, ReachReport, Strategy};
 use crate::gcode::CheckReport;
 use crate::workflow::cam::CamReport;
@@ -11,7 +11,7 @@ const MOST_VIOLATIONS: usize = 50;
 
 /// How the tool runs.
 pub(super) fn run(report: &CamReport) -> Vec<Block> {
-    let run = &report.run;
+    let (run, certificate) = (&report.run, report.certificate.as_ref());
     let mut facts =
         vec![fact("Strategy", strategy(run.strategy)), fact("Positions", count(run.n_positions))];
     facts.push(match run.strategy {
@@ -36,6 +36,13 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
         None => fact("Cutting feed", format!("{} mm/min at the contact", run.feed.round())),
     });
     facts.push(fact("Feed held", held(&run.held)));
+    facts.push(fact(
+        "Between positions",
+        certificate.map_or("nothing is proved".to_owned(), proved),
+    ));
+    for (name, value) in certificate.into_iter().flat_map(proof) {
+        facts.push(fact(name, value));
+    }
     facts.push(fact(
         "Greatest step of the attack axis",
         format!("{:.3} mm between two positions", run.greatest_rise),

@@ -1,7 +1,7 @@
 //! A cam report in a dozen lines for the terminal.
 
-use super::words::{clock, count, fine, pitch, range, reached_percent, strategy, tool};
-use crate::cam::{ReachReport, Strategy};
+use super::words::{clock, count, fine, pitch, proved, range, reached_percent, strategy, tool};
+use crate::cam::{Certificate, ReachReport, Strategy};
 use crate::gcode::AxisBounds;
 use crate::workflow::cam::{CamReport, RoughReport, RunReport};
 use std::fmt::Write as _;
@@ -28,6 +28,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     lines.add("run", run(&report.run));
     if let Some(rough) = &report.rough {
         lines.add("rough", self::rough(rough));
+    }
+    if let Some(certificate) = &report.certificate {
+        lines.add("proof", proof(certificate));
     }
     if let Some(reach) = &report.reach {
         lines.add("reach", self::reach(reach));
@@ -83,6 +86,19 @@ fn run(run: &RunReport) -> String {
     }
     if run.n_missed > 0 {
         let _ = write!(text, ", {} positions meet nothing", count(run.n_missed));
+    }
+    text
+}
+
+fn proof(certificate: &Certificate) -> String {
+    let mut text = proved(certificate);
+    let taken = [
+        (certificate.n_inserted, "steps put in"),
+        (certificate.n_lifts, "lifts over shoulders"),
+        (certificate.n_dropped, "steps left out"),
+    ];
+    for (n, what) in taken.into_iter().filter(|(n, _)| 0 < *n) {
+        let _ = write!(text, ", {} {what}", count(n));
     }
     text
 }

@@ -1,7 +1,8 @@
 //! Numbers of a cam report as people read them, on the page and on the terminal alike.
 
-use crate::cam::{ReachReport, Strategy};
+use crate::cam::{Certificate, ReachReport, Strategy};
 use crate::gcode::{AxisBounds, CheckReport};
+use std::fmt::Write as _;
 
 /// Hours, minutes and seconds, the seconds rounded up: `0:09:30`.
 pub(super) fn clock(seconds: f64) -> String {
@@ -20,6 +21,42 @@ pub(super) fn count(number: usize) -> String {
         text.push(digit);
     }
     text
+}
+
+/// What is proved of the path: `gouge <= 0.0100 mm on all 50,399 moves (proved)`.
+pub(super) fn proved(certificate: &Certificate) -> String {
+    format!(
+        "gouge <= {:.4} mm on all {} moves (proved)",
+        certificate.gouge,
+        count(certificate.n_moves)
+    )
+}
+
+/// What that took, as names and values.
+pub(super) fn proof(certificate: &Certificate) -> Vec<(&'static str, String)> {
+    let mut facts = Vec::new();
+    let mut steps = count(certificate.n_inserted);
+    if let Some(step) = &certificate.shortest_step {
+        let _ = write!(steps, ", the shortest {:.4} mm and {:.4}°", step.mm, step.deg);
+    }
+    facts.push(("Steps put in", steps));
+    if let Some(lift) = &certificate.greatest_lift {
+        let mut text = format!("{}, the highest {:.3} mm", count(certificate.n_lifts), lift.rise);
+        if let Some([x, y, z]) = lift.at {
+            let _ = write!(text, " at {x:.1}, {y:.1}, {z:.1}");
+        }
+        let _ = write!(text, "; they leave up to {:.3} mm", certificate.left_by_lifts);
+        facts.push(("Lifts over shoulders", text));
+    }
+    if 0 < certificate.n_dropped {
+        let left = format!(
+            "{}; what they would have cut stands up to {:.4} mm high",
+            count(certificate.n_dropped),
+            certificate.left_by_dropping
+        );
+        facts.push(("Steps left out", left));
+    }
+    facts
 }
 
 /// As the command line spells it.
