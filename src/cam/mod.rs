@@ -16,7 +16,7 @@ mod trajectory;
 
 pub use block::{Block, BlockError};
 pub use certify::{
-    Certificate, Certified, CertifyOptions, Draft, Grid, Lift, Position, ShortestStep, certify,
+    Certificate, Certified, CertifyOptions, Draft, Grid, Lift, ShortestStep, certify,
 };
 pub use clamps::ClampError;
 pub use contour::{Across, ContourOptions, contours};
@@ -30,5 +30,5 @@ pub use schedule::{
 };
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, TABLE_GAP, set_up};
 pub use tilt::{TiltError, TurnLine};
-pub use toolpath::{Move, Pace, Toolpath};
+pub use toolpath::{Move, Pace, Position, Toolpath};
 pub use trajectory::{Spacing, Strategy, Trajectory, TrajectoryError};

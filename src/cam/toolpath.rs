@@ -1,6 +1,16 @@
 //! What the machine shall do, before any control's language: moves with their pace.
 
+use crate::geom::Point3;
 use crate::machine::AxisValues;
+
+/// A position of a path, before it is known how fast the tool gets there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position {
+    /// The words of all axes, attack axis included.
+    pub words: AxisValues,
+    /// Where the tool touches the part, if it does.
+    pub touched: Option<Point3>,
+}
 
 /// One move of all axes at once, interpolated linearly, from where the last one ended.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,8 @@ use crate::jobs::{WHEEL, program_of, small_last, try_cut};
 use crate::parts::real;
 use crate::{linuxcnc, programs, rs274};
 use horma::cam::{
-    Digitizer, Method, Part, PassOptions, SetupOptions, Spacing, Strategy, Toolpath, Trajectory,
-    clear_word, pass, set_up,
+    Digitizer, Method, Part, PassOptions, Position, SetupOptions, Spacing, Strategy, Toolpath,
+    Trajectory, clear_word, pass, set_up,
 };
 use horma::geom::{LengthUnit, Surface};
 use horma::io::read_surface;
@@ -85,8 +85,8 @@ fn path_around(surface: Surface, machine: &Machine, per_turn: u32, along: [f64; 
         let contact = contacts[i].expect("the clamps leave no position without a contact");
         let mut words = way.values(i);
         words[machine.attack] = machine.axes[machine.attack].word(contact.height);
-        (words, Some(contact.point))
+        Position { words, touched: Some(contact.point) }
     };
     let options = PassOptions { clear, cut: tool.feed, plunge: tool.plunge_feed, rotation: None };
-    pass(machine, way.n_positions(), position, options, &Silent).unwrap().path
+    pass(machine, (0..way.n_positions()).map(position), options, &Silent).unwrap().path
 }

@@ -15,6 +15,7 @@ mod sweep;
 pub use certificate::{Certificate, Lift, ShortestStep};
 
 use super::digitize::{Contact, Digitizer, Memory, Tree};
+use super::toolpath::Position;
 use crate::geom::{PatchTree, Point3, Vector3, WIDTH};
 use crate::machine::{AxisKind, AxisValues, MAX_AXES, Machine};
 use crate::progress::{Cancelled, Progress};
@@ -47,15 +48,6 @@ pub struct CertifyOptions {
 /// at such words, what is proved of them holds for the program as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid(AxisValues);
-
-/// A position of the path.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Position {
-    /// The words of all axes.
-    pub words: AxisValues,
-    /// Where the tool touches the part, if it does.
-    pub touched: Option<Point3>,
-}
 
 /// A path with what is proved of it.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -148,8 +140,13 @@ impl<F: Fn(usize) -> (AxisValues, Option<Contact>) + Sync> Job<'_, F> {
             memory: Memory::default(),
             waiting: Waiting::default(),
         };
-        let mut stretch = Stretch { prover, options: self.options, made: Certified::default() };
+        // Most stretches need no step more than they have, and all wait for the last of them: none
+        // takes room that it will not need.
+        let positions = Vec::with_capacity(moves.len());
+        let made = Certified { positions, ..Certified::default() };
+        let mut stretch = Stretch { prover, options: self.options, made };
         stretch.follow(moves.len() + 1, |i| (self.draft.position)(moves.start + i));
+        stretch.made.positions.shrink_to_fit();
         stretch.made
     }
 

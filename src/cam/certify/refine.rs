@@ -3,8 +3,9 @@
 
 use super::certificate::{Certificate, Lift};
 use super::prove::{End, Prover, Verdict};
-use super::{Certified, CertifyOptions, Position};
+use super::{Certified, CertifyOptions};
 use crate::cam::Contact;
+use crate::cam::Position;
 use crate::machine::{AxisKind, AxisValues, Machine};
 use crate::tool::HeightFunction;
 use fearless_simd::Simd;

@@ -1,9 +1,8 @@
 //! What a pass asks for: the times of its moves by their feed, and what became of them.
 
 use super::{FeedReport, Motion, PassOptions, Slowdowns, Spot, Timing, drives, time_motion};
-use crate::cam::Move;
-use crate::geom::Point3;
-use crate::machine::{Axis, AxisKind, AxisValues, MAX_AXES, Machine};
+use crate::cam::{Move, Position};
+use crate::machine::{Axis, AxisKind, MAX_AXES, Machine};
 
 /// On a mesh the contact leaps from edge to edge and stands in between; an axis that followed would
 /// only jerk. Its way counts as the mean over so many moves before and after.
@@ -19,24 +18,29 @@ pub(super) struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    pub(super) fn new(machine: &'a Machine, options: PassOptions) -> Self {
-        Self { machine, options, fed: Vec::new(), ways: Vec::new() }
+    /// For about `n` moves.
+    pub(super) fn new(machine: &'a Machine, options: PassOptions, n: usize) -> Self {
+        let ways = Vec::with_capacity(n * machine.axes.len().min(MAX_AXES));
+        Self { machine, options, fed: Vec::with_capacity(n), ways }
     }
 
-    pub(super) fn take(&mut self, words: [&AxisValues; 2], touched: [Option<Point3>; 2]) {
-        self.fed.push(self.fed_time(words, touched));
-        let [from, to] = words.map(|words| self.machine.with_followers(words));
+    /// Takes the move from one position to the next.
+    pub(super) fn take(&mut self, from: &Position, to: &Position) {
+        self.fed.push(self.fed_time(from, to));
+        let [from, to] = [from, to].map(|end| self.machine.with_followers(&end.words));
         self.ways.extend((0..self.n_axes()).map(|i| to[i] - from[i]));
     }
 
-    fn fed_time(&self, [from, to]: [&AxisValues; 2], touched: [Option<Point3>; 2]) -> f64 {
-        let turn = self.machine.spindle.map_or(0.0, |spindle| (to[spindle] - from[spindle]).abs());
+    fn fed_time(&self, from: &Position, to: &Position) -> f64 {
+        let turned = |spindle: usize| (to.words[spindle] - from.words[spindle]).abs();
+        let turn = self.machine.spindle.map_or(0.0, turned);
         if let Some(rotation) = self.options.rotation.filter(|_| turn > 0.0) {
             return turn / rotation;
         }
-        let way = match touched {
-            [Some(from), Some(to)] => (to - from).norm(),
-            _ => (self.machine.tool_point(to) - self.machine.tool_point(from)).norm(),
+        let tool_at = |end: &Position| self.machine.tool_point(&end.words);
+        let way = match (from.touched, to.touched) {
+            (Some(from), Some(to)) => (to - from).norm(),
+            _ => (tool_at(to) - tool_at(from)).norm(),
         };
         way / self.options.cut
     }

@@ -11,8 +11,7 @@ mod leg;
 mod planner;
 mod slowed;
 
-use super::toolpath::{Move, Pace, Toolpath};
-use crate::geom::Point3;
+use super::toolpath::{Move, Pace, Position, Toolpath};
 use crate::machine::{AxisValues, Machine};
 use crate::progress::{Cancelled, Progress};
 use asked::Asked;
@@ -71,35 +70,34 @@ impl FeedReport {
 
 /// One pass: down from clear onto the first position, through all of them, and up again.
 ///
-/// `position(i)` gives the words of position `i`, attack axis included, and where the tool touches
-/// the part there; where it touches nothing its own way counts. The duration of each cutting move is
-/// that at the greatest speed the machine reaches in it.
+/// Where the tool touches nothing its own way counts. The duration of each cutting move is that at
+/// the greatest speed the machine reaches in it.
 pub fn pass(
     machine: &Machine,
-    n_positions: usize,
-    position: impl Fn(usize) -> (AxisValues, Option<Point3>),
+    positions: impl IntoIterator<Item = Position, IntoIter: ExactSizeIterator>,
     options: PassOptions,
     progress: &dyn Progress,
 ) -> Result<Pass, Cancelled> {
     let PassOptions { clear, plunge, .. } = options;
+    let mut positions = positions.into_iter();
+    let n_positions = positions.len();
     let mut path = Toolpath { moves: Vec::with_capacity(n_positions + 2), clear };
-    let mut asked = Asked::new(machine, options);
-    if n_positions == 0 {
+    let mut asked = Asked::new(machine, options, n_positions);
+    let Some(mut last) = positions.next() else {
         return Ok(Pass { path, feed: asked.report(&[], &[]) });
-    }
+    };
     progress.start("scheduling", n_positions as u64);
     let lifted = |mut words: AxisValues| {
         words[machine.attack] = clear;
         words
     };
-    let (mut words, mut touched) = position(0);
-    path.moves.push(Move { to: lifted(words), pace: Pace::Rapid });
-    path.moves.push(Move { to: words, pace: Pace::Feed(plunge) });
-    for i in 1..n_positions {
-        let (next, touches) = position(i);
-        asked.take([&words, &next], [touched, touches]);
-        path.moves.push(Move { to: next, pace: Pace::Duration(1.0 / machine.blocks_per_second) });
-        (words, touched) = (next, touches);
+    path.moves.push(Move { to: lifted(last.words), pace: Pace::Rapid });
+    path.moves.push(Move { to: last.words, pace: Pace::Feed(plunge) });
+    let shortest = Pace::Duration(1.0 / machine.blocks_per_second);
+    for (i, next) in (1..).zip(positions) {
+        asked.take(&last, &next);
+        path.moves.push(Move { to: next.words, pace: shortest });
+        last = next;
         if i % 4096 == 0 {
             progress.advance(4096)?;
         }
@@ -113,13 +111,14 @@ pub fn pass(
         }
     }
     let feed = asked.report(&timings, &path.moves[2..]);
-    path.moves.push(Move { to: lifted(words), pace: Pace::Rapid });
+    path.moves.push(Move { to: lifted(last.words), pace: Pace::Rapid });
     Ok(Pass { path, feed })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Point3;
     use crate::progress::Silent;
 
     /// A lathe whose axes are at any speed at once.
@@ -142,6 +141,16 @@ mod tests {
         durations.collect()
     }
 
+    fn positions(
+        n: usize,
+        at: impl Fn(usize) -> (AxisValues, Option<Point3>),
+    ) -> impl ExactSizeIterator<Item = Position> {
+        (0..n).map(move |i| {
+            let (words, touched) = at(i);
+            Position { words, touched }
+        })
+    }
+
     #[test]
     fn a_move_is_as_slow_as_its_slowest_axis_and_its_contact_need() {
         let machine = nimble();
@@ -153,7 +162,7 @@ mod tests {
             let words = [x, 80.0, a + 0.001 * touched, 0.0, 0.0, 0.0];
             (words, Some(Point3::new(50.0 * touched, 0.0, 0.0)))
         };
-        let pass = pass(&machine, 91, at, OPTIONS, &Silent).unwrap();
+        let pass = pass(&machine, positions(91, at), OPTIONS, &Silent).unwrap();
         let paces: Vec<Pace> = pass.path.moves.iter().map(|step| step.pace).collect();
         assert_eq!(paces[..2], [Pace::Rapid, Pace::Feed(5.0)]);
         let durations = durations(&pass);
@@ -175,7 +184,7 @@ mod tests {
             let words = [0.0, 80.0, 0.01 * i as f64, 0.0, 0.0, 0.0];
             (words, Some(Point3::new(4.0 * (i / 4) as f64, 0.0, 0.0)))
         };
-        let pass = pass(&nimble(), 200, at, OPTIONS, &Silent).unwrap();
+        let pass = pass(&nimble(), positions(200, at), OPTIONS, &Silent).unwrap();
         for seconds in &durations(&pass)[10..190] {
             // Nine moves have two leaps or three.
             assert!((8.0 / 9.0 * 0.04 - 1e-9..=12.0 / 9.0 * 0.04 + 1e-9).contains(seconds));
@@ -191,7 +200,7 @@ mod tests {
             // Faster and faster over the part; in the end the part stands.
             (words, Some(Point3::new((i * i) as f64, 0.0, 0.0)))
         };
-        let pass = pass(&nimble(), 4, at, options, &Silent).unwrap();
+        let pass = pass(&nimble(), positions(4, at), options, &Silent).unwrap();
         let expected = [0.25, 0.25, 5.0 / 25.0];
         for (seconds, expected) in durations(&pass)[..2].iter().zip(expected) {
             assert!((seconds - expected).abs() < 1e-12, "{seconds} s, not {expected}");
@@ -208,7 +217,7 @@ mod tests {
             ([i as f64 / 180.0, y, a, 0.0, 0.0, 0.0], None)
         };
         let options = PassOptions { rotation: Some(14.0), ..OPTIONS };
-        let pass = pass(&machine, 3600, at, options, &Silent).unwrap();
+        let pass = pass(&machine, positions(3600, at), options, &Silent).unwrap();
         let most = &pass.feed.slowed[0];
         assert!(matches!(most.cause, Cause::Acceleration { axis: 'A' | 'Y' }), "{most}");
         assert!(most.is_worth_telling(pass.feed.taken));

@@ -157,11 +157,9 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
     let path = keep_scene.then(|| (heights.touched(), heights.thinned()));
     // A million positions are 70 MB: gone before the program is made.
     drop(contacts);
-    let position = |i: usize| (positions[i].words, positions[i].touched);
     let pace = pace(&tool, options, clear);
-    let Pass { path: toolpath, feed } = pass(machine, positions.len(), position, pace, progress)?;
+    let Pass { path: toolpath, feed } = pass(machine, positions, pace, progress)?;
     run_report.held = feed;
-    drop(positions);
 
     let reach = match &setup.surface {
         // Its poses are those of a spindle, or of a part at rest.
@@ -177,7 +175,7 @@ pub fn plan(job: Job, progress: &dyn Progress) -> Result<Plan, CamError> {
         header.lines.push("digitized on points alone, as in the thesis".into());
     }
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
-    let written = write_and_read_back(posted, dialect, machine, &toolpath, options.split_bytes)?;
+    let written = write_and_read_back(posted, dialect, machine, toolpath, options.split_bytes)?;
     let mut report = CamReport {
         part: PartReport::new(name, &setup, notes),
         machine: [machine.name.clone(), machine.title.clone()],

@@ -10,12 +10,12 @@ use super::program::{header, write_and_read_back};
 use super::report::{CamReport, PartReport, RoughReport, RunReport, SetupReport};
 use super::spacing;
 use crate::cam::{
-    Block, Contact, Cut, Digitizer, FeedReport, Move, Pace, Part, Pass, PassOptions, RoughOptions,
-    Roughing, Stand, Toolpath, Trajectory, clear_word, pass, set_up, within,
+    Block, Contact, Cut, Digitizer, FeedReport, Move, Pace, Part, Pass, PassOptions, Position,
+    RoughOptions, Roughing, Stand, Toolpath, Trajectory, clear_word, pass, set_up, within,
 };
 use crate::gcode;
 use crate::geom::Point3;
-use crate::machine::{AxisValues, Clamping};
+use crate::machine::Clamping;
 use crate::progress::{Cancelled, Progress, Silent};
 use crate::tool::Tool;
 use std::f64::consts::TAU;
@@ -105,7 +105,7 @@ pub fn rough(
     let mut header = header(&name, &tool, machine, options, max_depth);
     header.lines.push(format!("roughing from {block}, {max_depth} mm at most a layer"));
     let posted = gcode::post(&toolpath, machine, &tool, dialect, &header)?;
-    let written = write_and_read_back(posted, dialect, machine, &toolpath, options.split_bytes)?;
+    let written = write_and_read_back(posted, dialect, machine, toolpath, options.split_bytes)?;
     let mut report = CamReport {
         part: PartReport::new(name, &setup, notes),
         machine: [machine.name.clone(), machine.title.clone()],
@@ -161,17 +161,16 @@ impl Cutting<'_> {
             if let Some(leave) = all.moves.last_mut() {
                 leave.to[self.way.machine().attack] = link;
             }
-            let positions = cut.positions.clone();
-            let wound = self.whole_turns(all.moves.last(), positions.start);
-            let position = |k: usize| {
-                let (mut words, touched) = self.position(cut, positions.start + k);
+            let wound = self.whole_turns(all.moves.last(), cut.positions.start);
+            let positions = cut.positions.clone().map(|i| {
+                let mut position = self.position(cut, i);
                 if let Some(axis) = self.turning {
-                    words[axis] += wound;
+                    position.words[axis] += wound;
                 }
-                (words, touched)
-            };
+                position
+            });
             let pace = PassOptions { clear: link, ..self.pace };
-            let cut_pass = pass(self.way.machine(), positions.len(), position, pace, &Silent)?;
+            let cut_pass = pass(self.way.machine(), positions, pace, &Silent)?;
             feed.take(&cut_pass.feed);
             let mut moves = cut_pass.path.moves.into_iter();
             if let Some(over) = moves.next() {
@@ -195,11 +194,11 @@ impl Cutting<'_> {
     }
 
     /// The words of a position in a cut, and the point of the stock it is about.
-    fn position(&self, cut: &Cut, i: usize) -> (AxisValues, Option<Point3>) {
+    fn position(&self, cut: &Cut, i: usize) -> Position {
         let height = self.roughing.height(cut.layer, i);
         let mut words = self.way.values(i);
         words[self.way.machine().attack] = self.word(height);
-        (words, Some(self.touched(cut, i, height)))
+        Position { words, touched: Some(self.touched(cut, i, height)) }
     }
 
     fn touched(&self, cut: &Cut, i: usize, height: f64) -> Point3 {
