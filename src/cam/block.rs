@@ -5,9 +5,12 @@ use crate::geom::{Aabb, Point3, Pose, TriMesh, Vector3, shapes};
 use crate::machine::Machine;
 use nalgebra::{Translation3, UnitQuaternion};
 use std::fmt;
+use std::str::FromStr;
 
 /// Sides of a round block, laid around it: it is nowhere thinner than the real one.
 const SIDES: usize = 256;
+/// Added around a box where nothing is said [mm].
+const MARGIN: f64 = 2.0;
 
 /// What the part is cut from.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +41,12 @@ pub enum BlockError {
         value: f64,
         /// What it must be.
         must: &'static str,
+    },
+    /// It is named by no shape.
+    #[error("{text:?} is no block; write cylinder, cylinder:60, box or box:5, or name a file")]
+    NoShape {
+        /// What was given.
+        text: String,
     },
     /// The part does not fit into it.
     #[error(
@@ -70,14 +79,7 @@ impl Block {
                 let line = machine
                     .spindle
                     .map_or_else(|| setup.part.center(), |spindle| machine.axes[spindle].point);
-                let swing = swing(setup, &line, is_bar) + allowance;
-                let radius = radius.unwrap_or(swing.ceil());
-                if !(radius > 0.0 && radius.is_finite()) {
-                    return Err(size("radius", radius, "above 0"));
-                }
-                if radius < swing {
-                    return Err(BlockError::Small { needed: swing, allowance, radius });
-                }
+                let radius = round(*radius, swing(setup, &line, is_bar), allowance)?;
                 Ok(if is_bar {
                     let [from, to] = setup.stretch;
                     let to_line = Pose::translation(0.0, line.y, line.z);
@@ -103,7 +105,45 @@ impl Block {
                 }
                 Ok(shapes::cuboid(&aabb))
             }
-            Self::Mesh(mesh) => Ok(mesh.clone().moved(&setup.machine_from_file)),
+            Self::Mesh(mesh) => {
+                let mesh = mesh.clone();
+                let mesh = if setup.is_mirrored { mesh.mirrored() } else { mesh };
+                Ok(mesh.moved(&setup.machine_from_file))
+            }
+        }
+    }
+
+    /// The radius of a round bar that holds the part with `allowance` on it; `None` of other blocks.
+    pub fn bar_radius(
+        &self,
+        setup: &Setup,
+        machine: &Machine,
+        allowance: f64,
+    ) -> Result<Option<f64>, BlockError> {
+        match (self, machine.spindle) {
+            (Self::Cylinder { radius }, Some(spindle)) => {
+                let line = machine.axes[spindle].point;
+                round(*radius, swing(setup, &line, true), allowance).map(Some)
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+impl FromStr for Block {
+    type Err = BlockError;
+
+    /// `cylinder` or `cylinder:60`, `box` or `box:5`.
+    fn from_str(text: &str) -> Result<Self, BlockError> {
+        let none = || BlockError::NoShape { text: text.to_owned() };
+        let (shape, size) = match text.split_once(':') {
+            Some((shape, size)) => (shape, Some(size.parse().map_err(|_| none())?)),
+            None => (text, None),
+        };
+        match shape {
+            "cylinder" => Ok(Self::Cylinder { radius: size }),
+            "box" => Ok(Self::Box { margin: size.unwrap_or(MARGIN) }),
+            _ => Err(none()),
         }
     }
 }
@@ -123,6 +163,16 @@ impl fmt::Display for Block {
 
 fn size(what: &'static str, value: f64, must: &'static str) -> BlockError {
     BlockError::Size { what, value, must }
+}
+
+/// The radius given, or the least whole one, if the part with its allowance has room in it.
+fn round(given: Option<f64>, swing: f64, allowance: f64) -> Result<f64, BlockError> {
+    let needed = swing + allowance;
+    let radius = given.unwrap_or(needed.ceil());
+    if !(radius > 0.0 && radius.is_finite()) {
+        return Err(size("radius", radius, "above 0"));
+    }
+    if radius < needed { Err(BlockError::Small { needed, allowance, radius }) } else { Ok(radius) }
 }
 
 /// The greatest distance of the part from the line along X, or upright, through `line`.
@@ -180,5 +230,31 @@ mod tests {
         assert!(error.starts_with("the part needs a block of radius 3"), "{error}");
         let thin = Block::Box { margin: 0.5 }.around(&setup, &lathe, 1.0).unwrap_err();
         assert!(thin.to_string().contains("the block's margin is 0.5 mm"), "{thin}");
+    }
+
+    #[test]
+    fn a_moulded_block_is_laid_where_the_part_is_and_mirrored_with_it() {
+        let machine = Machine::builtin("last-lathe").unwrap();
+        let part = shapes::chiral(3_000);
+        for mirror in [false, true] {
+            let options = SetupOptions { mirror, ..SetupOptions::default() };
+            let setup = set_up(Surface::Mesh(part.clone()), &machine, &options).unwrap();
+            let block = Block::Mesh(part.clone()).around(&setup, &machine, 0.0).unwrap();
+            for (laid, own) in block.points.iter().zip(setup.own_points()) {
+                assert!((laid - own).norm() < 1e-9, "{laid} is not {own}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_is_named_by_its_shape_and_size() {
+        let block = |text: &str| text.parse::<Block>();
+        assert_eq!(block("cylinder"), Ok(Block::Cylinder { radius: None }));
+        assert_eq!(block("cylinder:60"), Ok(Block::Cylinder { radius: Some(60.0) }));
+        assert_eq!(block("box:5"), Ok(Block::Box { margin: 5.0 }));
+        for text in ["ball", "box:wide", "cylinder:"] {
+            let error = block(text).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{text:?} is no block; write cylinder")), "{error}");
+        }
     }
 }

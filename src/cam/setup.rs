@@ -82,6 +82,8 @@ pub struct Setup {
     pub part: Aabb,
     /// Greatest distance of the part from the spindle axis [mm]; 0 without a spindle.
     pub swing: f64,
+    /// True if it is the mirror image of what the file has.
+    pub is_mirrored: bool,
     /// The part's frame on the machine from the frame of the file (after mirroring).
     pub machine_from_file: Pose,
     /// The stretch of X the part and its clamps take up [mm].
@@ -204,7 +206,17 @@ pub fn set_up(
     for clamp in pieces {
         add_clamp(&mut surface, clamp);
     }
-    Ok(Setup { surface, n_own, n_own_points, part, swing, machine_from_file, stretch, loose })
+    Ok(Setup {
+        surface,
+        n_own,
+        n_own_points,
+        part,
+        swing,
+        is_mirrored: options.mirror,
+        machine_from_file,
+        stretch,
+        loose,
+    })
 }
 
 /// A point of the spindle axis; the middle of the table where there is no spindle.

@@ -129,11 +129,9 @@ fn what_cannot_be_roughed_says_why() {
 fn cut_in_simulation_no_cut_is_too_deep_and_hardly_one_is_in_air() {
     let last = small_last(150.0);
     let machine = Machine::builtin("last-lathe").unwrap();
-    let blocks = [
-        (Block::Cylinder { radius: Some(70.0) }, RawBlock::Cylinder(70.0), 0.10),
-        (Block::Box { margin: 4.0 }, RawBlock::Box(4.0), 0.25),
-    ];
-    for (block, raw, most_air) in blocks {
+    let blocks =
+        [(Block::Cylinder { radius: Some(70.0) }, 0.10), (Block::Box { margin: 4.0 }, 0.25)];
+    for (block, most_air) in blocks {
         let plan = roughed(&last, &block, DEPTH, &options()).unwrap();
         let program = program_of(&plan, &machine);
         let setup = CamOptions { allowance: Some(1.0), ..options() };
@@ -147,7 +145,7 @@ fn cut_in_simulation_no_cut_is_too_deep_and_hardly_one_is_in_air() {
                 machine: &machine,
                 tools: vec![ToolLibrary::builtin().find(WHEEL).unwrap()],
                 setup: &setup,
-                block: raw,
+                block: RawBlock::Body(block.clone()),
                 options: &VerifyOptions { resolution: Some(1.0), ..VerifyOptions::default() },
             },
             &Silent,

@@ -3,6 +3,7 @@
 use crate::command::horma;
 use crate::jobs::{WHEEL, cut, program_of, small_last};
 use crate::parts::{Folder, real};
+use horma::cam::Block;
 use horma::cam::{SetupOptions, Strategy, set_up};
 use horma::gcode::{Dialect, Program, read};
 use horma::geom::{Aabb, LengthUnit, Point3, Surface, TriMesh, shapes};
@@ -155,7 +156,10 @@ fn what_a_wheel_is_too_large_for_is_told_from_what_it_passed_by() {
     part.append(shapes::stub(180, 27.0, 40.0, 43.0));
     part.append(shapes::stub(180, 30.0, 43.0, 100.0));
     let program = rings(1.0, |x| if (95.0..105.0).contains(&x) { -0.4 } else { 0.0 });
-    let found = verified(&part, &program, RawBlock::Cylinder(31.0), 0.5).report.deviation;
+    let found =
+        verified(&part, &program, RawBlock::Body(Block::Cylinder { radius: Some(31.0) }), 0.5)
+            .report
+            .deviation;
     let (by_tool, by_path) = (found.left_by_tool.unwrap(), found.left_by_path.unwrap());
     // 3 mm wide, 3 mm deep: the nose dips in by 10 - sqrt(100 - 1.5^2) = 0.113 mm.
     assert!(
@@ -184,7 +188,7 @@ fn a_tilted_part_is_refused_by_name() {
         machine: &mill,
         tools: vec![ToolLibrary::builtin().find("ball-10").unwrap()],
         setup: &CamOptions::default(),
-        block: RawBlock::Box(1.0),
+        block: RawBlock::Body(Block::Box { margin: 1.0 }),
         options: &VerifyOptions { resolution: Some(1.0), tolerance: None },
     };
     let message = verify(job, &Silent).unwrap_err().to_string();
@@ -219,9 +223,9 @@ fn the_command_sets_the_part_up_as_the_header_says_and_its_exit_code_judges() {
     let told = horma(&[&base[..], &["--tolerance", "1", "--no-header"]].concat());
     assert_eq!(told.status.code(), Some(65), "{}", said(&told));
     assert!(said(&told).contains("the part is cut "), "{}", said(&told));
-    let told = horma(&[&base[..], &["--stock", "cylinder:5"]].concat());
+    let told = horma(&[&base[..], &["--block", "cylinder:5"]].concat());
     assert_eq!(told.status.code(), Some(65));
-    assert!(said(&told).contains("a cylinder of radius 5 mm does not hold the part"));
+    assert!(said(&told).contains("the part needs a block of radius"));
 }
 
 fn said(told: &Output) -> String {

@@ -4,11 +4,11 @@ mod block;
 mod header;
 mod options;
 
-pub use block::{BlockError, RawBlock};
+pub use block::RawBlock;
 pub use header::{Asked, HeaderError, asked};
 pub use options::VerifyOptions;
 
-use crate::cam::{Part, SetupError, set_up};
+use crate::cam::{BlockError, Part, SetupError, set_up};
 use crate::gcode::{BlockKind, Program, StepKind};
 use crate::geom::{Surface, TriMesh};
 use crate::machine::{AxisValues, Machine, MachineError};
@@ -131,9 +131,7 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
     let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let first = first_cut(job.program, job.machine).ok_or(VerifyError::NoMoves)?;
     let resolution = Resolution::even(job.options.resolution());
-    let block = job.block.placed(&setup, job.setup.mirror);
-    let layout = block.layout(&setup, job.machine, &first, resolution)?;
-    let stock = block.stock(layout, &setup, mesh);
+    let stock = job.block.stock(&setup, job.machine, &first, resolution)?;
     let simulated = simulate(job.program, job.machine, &job.tools, stock, progress)?;
     let part = Part::triangles(mesh);
     let target = Target { mesh, n_own: setup.n_own, part: &part };
@@ -147,7 +145,7 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
         part: job.part_name,
         machine: [job.machine.name.clone(), job.machine.title.clone()],
         tools: job.tools.iter().map(|tool| [tool.name.clone(), tool.profile.to_string()]).collect(),
-        block: block.to_string(),
+        block: job.block.to_string(),
         simulation: simulated.report,
         deviation,
         tolerance,

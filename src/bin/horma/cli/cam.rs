@@ -49,6 +49,13 @@ pub(crate) struct CamArgs {
     options: CamOptions,
 }
 
+impl CamArgs {
+    /// The unit the part's file is said to be in.
+    pub(crate) fn units(&self) -> Option<LengthUnit> {
+        self.units
+    }
+}
+
 /// Plans the cut and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
     run_with(args, shell, plan)

@@ -1,17 +1,10 @@
 //! `horma rough`: from a block to the part and its allowance.
 
 use super::Shell;
+use super::block::read_block;
 use super::cam::{CamArgs, run_with};
-use crate::exit::Usage;
-use anyhow::Context;
 use clap::Args;
-use horma::cam::Block;
-use horma::io;
 use horma::workflow::cam::rough;
-use std::path::Path;
-
-/// Added around a box where nothing is said [mm].
-const MARGIN: f64 = 2.0;
 
 /// Compute the program that roughs a part out of its block, layer by layer.
 #[derive(Debug, Args)]
@@ -36,28 +29,6 @@ pub(crate) struct RoughArgs {
 
 /// Plans the roughing and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &RoughArgs, shell: &Shell) -> anyhow::Result<()> {
-    let block = block(&args.block)?;
+    let block = read_block(&args.block, args.cam.units())?;
     run_with(&args.cam, shell, |job, progress| rough(job, &block, args.max_depth, progress))
-}
-
-fn block(text: &str) -> anyhow::Result<Block> {
-    let (shape, size) = text.split_once(':').unwrap_or((text, ""));
-    let size = || match size {
-        "" => Ok(None),
-        _ => size
-            .parse()
-            .map(Some)
-            .map_err(|_| Usage(format!("--block {text}: {size:?} is no number"))),
-    };
-    Ok(match shape {
-        "cylinder" => Block::Cylinder { radius: size()? },
-        "box" => Block::Box { margin: size()?.unwrap_or(MARGIN) },
-        _ => {
-            let reading = io::read_surface(Path::new(text), None).with_context(|| {
-                format!("--block {text} is neither cylinder, cylinder:60, box, box:5 nor a file")
-            })?;
-            let mesh = reading.surface.into_mesh();
-            Block::Mesh(mesh.with_context(|| format!("the block {text} has no triangles"))?)
-        }
-    })
 }

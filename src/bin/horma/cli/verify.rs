@@ -1,6 +1,7 @@
 //! `horma verify`: what a program makes of its block, against the part.
 
 use super::Shell;
+use super::block::read_block;
 use super::cam::notes;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -15,6 +16,9 @@ use horma::workflow::cam::CamOptions;
 use horma::workflow::verify::{Asked, RawBlock, Verified, VerifyJob, VerifyOptions, asked, verify};
 use std::path::{Path, PathBuf};
 
+/// Stock on the part where the program's header says nothing [mm].
+const ASSUMED: f64 = 1.0;
+
 /// Cut a program in simulation, as it stands in its file, and compare what is left with the part.
 #[derive(Debug, Args)]
 #[command(
@@ -24,7 +28,7 @@ than the tolerance or something collides.
 
 For example:
   horma verify last.ngc last.stl -m last-lathe
-  horma verify rough.ngc last.stl -m last-lathe --stock cylinder:65 --map left.ply"
+  horma verify rough.ngc last.stl -m last-lathe --block cylinder:65 --map left.ply"
 )]
 pub(crate) struct VerifyArgs {
     /// The program.
@@ -38,10 +42,11 @@ pub(crate) struct VerifyArgs {
     /// machine's].
     #[arg(long, value_name = "DIALECT")]
     dialect: Option<String>,
-    /// The block: cylinder:RADIUS, box, box:MARGIN, or a file of a body in the place of the part
-    /// [default: the part with the stock the program assumes all over].
-    #[arg(long, value_name = "STOCK")]
-    stock: Option<String>,
+    /// The block: cylinder or cylinder:RADIUS, box or box:MARGIN, or the file of a moulded block that
+    /// lies about the part as the part's file has it [default: the part with the stock the program
+    /// assumes all over].
+    #[arg(long, value_name = "BLOCK")]
+    block: Option<String>,
     /// Write what was cut as a mesh, coloured by how far it is off; .ply or .glb.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -175,31 +180,9 @@ impl VerifyArgs {
     }
 
     fn block(&self, head: &Asked) -> anyhow::Result<RawBlock> {
-        let assumed = head.stock.unwrap_or(1.0);
-        let Some(text) = &self.stock else { return Ok(RawBlock::Grown(assumed)) };
-        let number = |text: &str| {
-            let number = text.parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
-            number.with_context(|| format!("--stock: {text:?} is no length above 0"))
-        };
-        if let Some(radius) = text.strip_prefix("cylinder:") {
-            return Ok(RawBlock::Cylinder(number(radius)?));
-        }
-        if let Some(margin) = text.strip_prefix("box:") {
-            return Ok(RawBlock::Box(number(margin)?));
-        }
-        if text == "box" {
-            return Ok(RawBlock::Box(assumed));
-        }
-        match io::read_surface(Path::new(text), self.units)?.surface {
-            Surface::Points(_) => {
-                bail!("--stock: {text} is a cloud of points; give a body of triangles")
-            }
-            surface => {
-                let mesh = surface.into_mesh();
-                Ok(RawBlock::Mesh(
-                    mesh.with_context(|| format!("--stock: {text} has no triangles"))?,
-                ))
-            }
+        match &self.block {
+            Some(text) => Ok(RawBlock::Body(read_block(text, self.units)?)),
+            None => Ok(RawBlock::Grown(head.stock.unwrap_or(ASSUMED))),
         }
     }
 
