@@ -15,7 +15,7 @@ pub struct Stock {
     pub(super) engaged: Vec<u32>,
     /// How many engagements there were.
     pub(super) n_engagements: u32,
-    /// Upper bounds of `ends`, a tile of columns each.
+    /// Upper bounds of `ends`, a tile of columns each, whole groups of tiles a row.
     pub(super) peaks: Vec<f64>,
     /// How much too little moves have taken away so far, at most, along the normal [mm].
     pub(super) sweep_error: f64,
@@ -24,18 +24,18 @@ pub struct Stock {
 impl Stock {
     /// A block whose rays end at `ends`, row by row.
     pub(super) fn new(layout: Layout, ends: Vec<f64>) -> Self {
-        let n_tiles = layout.n_columns.div_ceil(TILE);
+        let stride = layout.tile_stride();
         let mut stock = Self {
             before: ends.clone(),
             engaged: vec![0; layout.n_rows],
             n_engagements: 0,
-            peaks: vec![0.0; layout.n_rows * n_tiles],
+            peaks: vec![f64::NEG_INFINITY; layout.n_rows * stride],
             sweep_error: 0.0,
             layout,
             ends,
         };
         let rows = stock.ends.par_chunks(stock.layout.n_columns);
-        rows.zip(stock.peaks.par_chunks_mut(n_tiles)).for_each(|(ends, peaks)| {
+        rows.zip(stock.peaks.par_chunks_mut(stride)).for_each(|(ends, peaks)| {
             for (tile, peak) in ends.chunks(TILE).zip(peaks) {
                 *peak = tile.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             }

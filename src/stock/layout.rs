@@ -8,6 +8,8 @@ use std::f64::consts::TAU;
 
 /// Columns that share one upper bound; see [`Row`](super::row::Row).
 pub(super) const TILE: usize = 16;
+/// Tiles looked at together.
+pub(super) const GROUP: usize = 8;
 /// More dexels than this are refused: 500 MB with all that belongs to them.
 const MOST_DEXELS: f64 = 2.5e7;
 /// A direction this far off is another one: rounding of a turned unit vector.
@@ -40,6 +42,8 @@ pub struct Layout {
     pub(super) rays_from_part: Pose,
     /// Cosine and sine of each column's angle; empty on a table.
     pub(super) turns: [Vec<f64>; 2],
+    /// Those of the first column of each tile, as many as whole groups of tiles need and one more.
+    pub(super) edges: [Vec<f64>; 2],
 }
 
 /// Which way the rays run.
@@ -128,8 +132,11 @@ impl Layout {
         fits(n_rows * n_columns, resolution)?;
         let n_columns = (n_columns as usize).next_multiple_of(TILE);
         let step = TAU / n_columns as f64;
-        let turns: (Vec<f64>, Vec<f64>) =
+        let (sin, cos): (Vec<f64>, Vec<f64>) =
             (0..n_columns).map(|column| (step * column as f64).sin_cos()).unzip();
+        let n_edges = (n_columns / TILE).next_multiple_of(GROUP) + 1;
+        let edges = [&cos, &sin]
+            .map(|turns| (0..n_edges).map(|tile| turns[tile * TILE % n_columns]).collect());
         Ok(Self {
             kind: Kind::Turned,
             along: [from, (to - from) / (n_rows - 1.0)],
@@ -139,7 +146,8 @@ impl Layout {
             floor: 0.0,
             top,
             rays_from_part: Pose::translation(0.0, -axis.y, -axis.z),
-            turns: [turns.1, turns.0],
+            turns: [cos, sin],
+            edges,
         })
     }
 
@@ -166,6 +174,7 @@ impl Layout {
             top: seen.max.y,
             rays_from_part,
             turns: [Vec::new(), Vec::new()],
+            edges: [Vec::new(), Vec::new()],
         })
     }
 
@@ -177,6 +186,16 @@ impl Layout {
     /// How many rays a row has.
     pub fn n_columns(&self) -> usize {
         self.n_columns
+    }
+
+    /// How many tiles a row has.
+    pub(super) fn n_tiles(&self) -> usize {
+        self.n_columns.div_ceil(TILE)
+    }
+
+    /// From the bounds of a row's tiles to those of the next: whole groups.
+    pub(super) fn tile_stride(&self) -> usize {
+        self.n_tiles().next_multiple_of(GROUP)
     }
 
     /// True if the rays leave a spindle axis, false if they stand on a table.

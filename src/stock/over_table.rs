@@ -5,9 +5,11 @@
 //! concave. What a whole move leaves is its minimum, found exactly: nothing is sampled.
 
 use super::layout::At;
-use super::row::{Bite, Columns, Cut, Row};
+use super::row::{Columns, Cut, Row};
+use super::stripe::{Bite, Stripe, Turn};
 use crate::geom::{Point3, Vector3};
 use crate::tool::HeightFunction;
+use fearless_simd::Simd;
 
 /// The minimum is found to within this [mm].
 const CLOSE: f64 = 1e-7;
@@ -70,19 +72,9 @@ impl<H: HeightFunction> TableBite<H> {
         }
         (best < limit).then_some(best)
     }
-}
 
-impl<H: HeightFunction> Bite for TableBite<H> {
-    fn reach(&self) -> [f64; 2] {
-        let (reach, end) = (self.tool.reach().x, self.from.x + self.way.x);
-        [self.from.x.min(end) - reach, self.from.x.max(end) + reach]
-    }
-
-    fn i_sweep(&self) -> u32 {
-        self.i_sweep
-    }
-
-    fn bite(&self, row: &mut Row, cut: &mut Cut) {
+    /// Cuts one row.
+    fn bite_row(&self, row: &mut Row, cut: &mut Cut) {
         let reach = self.tool.reach();
         let lowest = self.from.y + self.way.y.min(0.0) - reach.top;
         if row.highest <= lowest {
@@ -108,6 +100,24 @@ impl<H: HeightFunction> Bite for TableBite<H> {
         }
         if cut.removed > before {
             row.renew_peaks(&columns);
+        }
+    }
+}
+
+impl<H: HeightFunction> Bite for TableBite<H> {
+    fn reach(&self) -> [f64; 2] {
+        let (reach, end) = (self.tool.reach().x, self.from.x + self.way.x);
+        [self.from.x.min(end) - reach, self.from.x.max(end) + reach]
+    }
+
+    fn i_sweep(&self) -> u32 {
+        self.i_sweep
+    }
+
+    #[inline(always)]
+    fn bite<S: Simd>(&self, _simd: S, turn: Turn<Self>, stripe: &mut Stripe, cut: &mut Cut) {
+        for i in turn.rows {
+            self.bite_row(&mut stripe.row(i), cut);
         }
     }
 }

@@ -26,22 +26,12 @@ pub(super) struct Row<'a> {
     pub(super) layout: &'a Layout,
     pub(super) x: f64,
     pub(super) weight: f64,
-    /// Nothing in any row near this one ends farther out.
+    /// Nothing in any row of its stripe ends farther out.
     pub(super) highest: f64,
     pub(super) ends: &'a mut [f64],
     pub(super) before: &'a mut [f64],
     pub(super) peaks: &'a mut [f64],
     pub(super) engaged: &'a mut u32,
-}
-
-/// What can take something off a row.
-pub(super) trait Bite: Sync {
-    /// The stretch of X it reaches.
-    fn reach(&self) -> [f64; 2];
-    /// The move it is part of.
-    fn i_sweep(&self) -> u32;
-    /// Cuts; adds to what was cut.
-    fn bite(&self, row: &mut Row, cut: &mut Cut);
 }
 
 impl Cut {
@@ -117,7 +107,7 @@ impl Row<'_> {
             for column in 0..self.ends.len() {
                 self.lower(column, self.layout.floor, cut);
             }
-            self.peaks.fill(self.layout.floor);
+            self.peaks[..self.layout.n_tiles()].fill(self.layout.floor);
             cut.is_through = true;
         }
     }

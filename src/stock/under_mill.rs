@@ -6,8 +6,10 @@
 //! taken to go on for ever away from the part.
 
 use super::layout::At;
-use super::row::{Bite, Columns, Cut, Row};
+use super::row::{Columns, Cut, Row};
+use super::stripe::{Bite, Stripe, Turn};
 use crate::tool::{HeightFunction, Mill};
+use fearless_simd::Simd;
 
 /// The entry is found to within this [mm].
 const CLOSE: f64 = 1e-7;
@@ -111,18 +113,9 @@ impl MillBite {
         }
         (found && high < limit).then_some([high, exit])
     }
-}
 
-impl Bite for MillBite {
-    fn reach(&self) -> [f64; 2] {
-        [self.x - self.radius, self.x + self.radius]
-    }
-
-    fn i_sweep(&self) -> u32 {
-        self.i_sweep
-    }
-
-    fn bite(&self, row: &mut Row, cut: &mut Cut) {
+    /// Cuts one row.
+    fn bite_row(&self, row: &mut Row, cut: &mut Cut) {
         let dx = row.x - self.x;
         let half = (self.radius * self.radius - dx * dx).max(0.0).sqrt();
         let Some(height) = self.mill.height(dx, 0.0) else { return };
@@ -154,6 +147,23 @@ impl Bite for MillBite {
         }
         if cut.removed > before {
             row.renew_peaks(&columns);
+        }
+    }
+}
+
+impl Bite for MillBite {
+    fn reach(&self) -> [f64; 2] {
+        [self.x - self.radius, self.x + self.radius]
+    }
+
+    fn i_sweep(&self) -> u32 {
+        self.i_sweep
+    }
+
+    #[inline(always)]
+    fn bite<S: Simd>(&self, _simd: S, turn: Turn<Self>, stripe: &mut Stripe, cut: &mut Cut) {
+        for i in turn.rows {
+            self.bite_row(&mut stripe.row(i), cut);
         }
     }
 }

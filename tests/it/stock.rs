@@ -1,10 +1,12 @@
 //! Stock against closed forms: what moves of a tool leave of blocks of known shape.
 
+use crate::random_cases::Draw;
 use horma::geom::{Aabb, Point3, TriMesh, shapes};
 use horma::machine::{AxisValues, Machine};
 use horma::progress::Silent;
 use horma::stock::{Cut, Layout, Resolution, Stock, Sweep};
 use horma::tool::{Cutter, Profile};
+use rand::{RngExt, SeedableRng};
 use std::f64::consts::{PI, TAU};
 
 const WHEEL: Profile = Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 };
@@ -121,6 +123,63 @@ fn a_whole_turn_in_one_block_is_cut_like_many_small_ones() {
     assert!(one.sweep_error() <= 0.01 && one.sweep_error() > 0.0, "{}", one.sweep_error());
     let off = one.deepest_below(&many).max(many.deepest_below(&one));
     assert!(off <= 1.5 * one.sweep_error() + many.sweep_error(), "{off} {}", one.sweep_error());
+}
+
+#[test]
+fn a_wandering_wheel_cuts_every_ray_as_the_textbook_does_one_by_one() {
+    let large = [60.0, 10.0];
+    let small = [8.0, 3.0];
+    for (seed, wheel, spacing) in
+        [(1, large, 0.5), (2, small, 0.5), (3, small, 14.0), (4, large, 5.0)]
+    {
+        let mut draw = Draw::seed_from_u64(seed);
+        let mut stock = bar([0.0, 40.0], 30.0, Resolution::even(spacing));
+        let mut rays = Rays::of(&stock);
+        let [major, minor] = wheel;
+        let mut place: [f64; 3] = [20.0, 28.0 + major + minor, 0.0];
+        let mut was_overhanging = false;
+        for _ in 0..400 {
+            // Small steps, as on a path, and now and then one right into the block.
+            let jumps = draw.random_bool(0.05);
+            let step = if jumps { 1.0 } else { 0.05 };
+            let lowest = if draw.random_bool(0.01) { -4.0 } else { 6.0 };
+            let sink = if jumps { 25.0 } else { 9.0 };
+            place[0] = (place[0] + step * draw.random_range(-12.0..12.0)).clamp(-8.0, 48.0);
+            place[1] = (place[1] + step * draw.random_range(-sink..sink))
+                .clamp(lowest + major + minor, 32.0 + major + minor);
+            place[2] += step * draw.random_range(-3.0..4.0);
+            let [x, y, a] = place;
+            let place = at(x, y, a);
+            let cuts = cut(&mut stock, &lathe(), wheel_of(wheel), &[place, place]);
+            let expected = rays.cut(wheel, [x, y, a]);
+            was_overhanging |= cuts[0].n_overhangs > 0;
+            assert_eq!(cuts[0].n_overhangs > 0, expected.n_overhangs > 0);
+            assert_eq!(cuts[0].is_through, expected.is_through);
+            assert!((cuts[0].depth - expected.depth).abs() < 1e-9, "{cuts:?} {expected:?}");
+            assert!((cuts[0].removed - expected.removed).abs() < 1e-6, "{cuts:?} {expected:?}");
+        }
+        assert!(rays.farthest_from(&stock) < 1e-9, "seed {seed}");
+        assert!(was_overhanging || seed != 2, "the case tries nothing");
+    }
+}
+
+#[test]
+fn moves_taken_together_cut_what_they_cut_one_by_one() {
+    let places: Vec<_> = (0..600)
+        .map(f64::from)
+        .map(|i| at(0.08 * i, 94.0 + 3.0 * (i / 11.0).sin(), -i / 17.0))
+        .collect();
+    let mut together = bar([0.0, 60.0], 30.0, Resolution::even(0.4));
+    let cuts = cut(&mut together, &lathe(), WHEEL, &places);
+    let mut alone = bar([0.0, 60.0], 30.0, Resolution::even(0.4));
+    for (sweep, cut) in through(&places).iter().zip(&cuts) {
+        let sweep = std::slice::from_ref(sweep);
+        let taken = alone.remove(&lathe(), &WHEEL.cutter(0.0), sweep, &Silent).unwrap();
+        assert_eq!(taken[0].depth.to_bits(), cut.depth.to_bits());
+        assert!((taken[0].removed - cut.removed).abs() < 1e-9, "{taken:?} {cut:?}");
+    }
+    assert_eq!(together.deepest_below(&alone), 0.0);
+    assert_eq!(alone.deepest_below(&together), 0.0);
 }
 
 #[test]
@@ -327,4 +386,73 @@ fn an_empty_mesh_is_no_stock() {
         Stock::of_mesh(layout(&lathe(), &block, Resolution::even(0.5)), &TriMesh::default());
     assert_eq!(stock.volume(), 0.0);
     assert!(stock.to_mesh().triangles.is_empty());
+}
+
+fn wheel_of([major_radius, minor_radius]: [f64; 2]) -> Profile {
+    Profile::Wheel { major_radius, minor_radius }
+}
+
+/// Rays from the spindle axis, cut by nothing but the equation of a circle.
+struct Rays {
+    /// X of each row, and what it counts for.
+    rows: Vec<[f64; 2]>,
+    ends: Vec<Vec<f64>>,
+}
+
+impl Rays {
+    fn of(stock: &Stock) -> Self {
+        let layout = stock.layout();
+        let (n_rows, n_columns) = (layout.n_rows(), layout.n_columns());
+        let row = |i: usize| {
+            let is_end = i == 0 || i + 1 == n_rows;
+            [layout.row_x(i), layout.resolution().along * if is_end { 0.5 } else { 1.0 }]
+        };
+        let end = |i: usize, j: usize| stock.end(i, j).unwrap();
+        Self {
+            rows: (0..n_rows).map(row).collect(),
+            ends: (0..n_rows).map(|i| (0..n_columns).map(|j| end(i, j)).collect()).collect(),
+        }
+    }
+
+    /// A wheel of radii `major` and `minor` with its centre at `x`, `far` from the axis, seen by the
+    /// part at angle `a`.
+    fn cut(&mut self, [major, minor]: [f64; 2], [x, far, a]: [f64; 3]) -> Cut {
+        let mut cut = Cut::default();
+        for ([row_x, weight], ends) in self.rows.iter().zip(&mut self.ends) {
+            let nose2 = minor * minor - (row_x - x).powi(2);
+            if nose2 < 0.0 {
+                continue;
+            }
+            let radius = major + nose2.sqrt();
+            let step = TAU / ends.len() as f64;
+            for (j, end) in ends.iter_mut().enumerate() {
+                let turn = step * j as f64 - a;
+                let aside = far * turn.sin();
+                let half = (radius * radius - aside * aside).max(0.0).sqrt();
+                let meets = radius > aside.abs() && (turn.cos() > 0.0 || radius > far);
+                let [entry, exit] = [far * turn.cos() - half, far * turn.cos() + half];
+                let lower = if radius >= far { 0.0 } else { entry };
+                if !meets && radius < far || lower >= *end {
+                    continue;
+                }
+                if radius < far && *end > exit {
+                    cut.n_overhangs += 1;
+                    continue;
+                }
+                cut.is_through |= radius >= far;
+                cut.removed += (*end * *end - lower * lower) / 2.0 * step * weight;
+                cut.depth =
+                    if *end - lower > 1e-4 { cut.depth.max(*end - lower) } else { cut.depth };
+                *end = lower;
+            }
+        }
+        cut
+    }
+
+    fn farthest_from(&self, stock: &Stock) -> f64 {
+        let rows = self.ends.iter().enumerate();
+        let all = rows.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, end)| (i, j, end)));
+        let off = |(i, j, end): (usize, usize, &f64)| (stock.end(i, j).unwrap_or(0.0) - end).abs();
+        all.map(off).fold(0.0, f64::max)
+    }
 }
