@@ -59,14 +59,23 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct At {
     pub(super) point: Point3,
-    /// Angle of the attack direction about X [rad]; 0 on a table.
-    pub(super) attack: f64,
+    /// The attack direction, square to X; along the rays on a table.
+    pub(super) attack: [f64; 2],
 }
 
 impl Resolution {
     /// The same in both directions.
     pub fn even(spacing: f64) -> Self {
         Self { along: spacing, across: spacing }
+    }
+}
+
+impl At {
+    /// How far the programmed point lies along the attack direction, and across it.
+    #[inline(always)]
+    pub(super) fn along_and_across(&self) -> [f64; 2] {
+        let (y, z, [cos, sin]) = (self.point.y, self.point.z, self.attack);
+        [y * cos + z * sin, z * cos - y * sin]
     }
 }
 
@@ -283,11 +292,7 @@ impl Layout {
         if off > TILT {
             return Err(StockError::Tilted { angle_deg: off.to_degrees() });
         }
-        let attack = match self.kind {
-            Kind::Turned => attack.z.atan2(attack.y),
-            Kind::Table => 0.0,
-        };
-        Ok(At { point, attack })
+        Ok(At { point, attack: [attack.y, attack.z] })
     }
 
     /// The number of columns, to count backwards with; there are far fewer than would not fit.

@@ -20,15 +20,20 @@
 
 mod body;
 mod dexels;
+mod disc;
 mod layout;
 mod over_table;
 mod places;
 mod remove;
 mod row;
 mod scan;
+mod shave;
 mod stance;
+mod strip;
 mod stripe;
 mod surface;
+mod trace;
+mod under_ball;
 mod under_mill;
 mod under_wheel;
 

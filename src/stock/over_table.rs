@@ -2,15 +2,20 @@
 //!
 //! While the tool goes straight from one place to another, its height over a ray,
 //! `T_y(s) - u(p - T(s))`, is a convex function of the way `s`: the tool is convex, so `u` is
-//! concave. What a whole move leaves is its minimum, found exactly: nothing is sampled.
+//! concave. What a whole move leaves is its minimum, found exactly: nothing is sampled. For a ball
+//! or a flat end it has a closed form; for others that of a flat end around them says which rays
+//! are worth a search.
 
 use super::layout::At;
 use super::row::{Columns, Cut, Row};
 use super::stripe::{Bite, Stripe, Turn};
+use super::trace::{End, Trace};
 use crate::geom::{Point3, Vector3};
 use crate::tool::HeightFunction;
-use fearless_simd::Simd;
+use fearless_simd::{f64x8, prelude::*};
 
+/// Rays taken side by side.
+const LANES: usize = 8;
 /// The minimum is found to within this [mm].
 const CLOSE: f64 = 1e-7;
 /// More halvings than this cannot be needed.
@@ -22,6 +27,9 @@ const BELOW: f64 = 0.01;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TableBite<H> {
     tool: H,
+    trace: Trace,
+    /// The trace is that of the tool, not of an end around it.
+    is_exact: bool,
     from: Point3,
     way: Vector3,
     i_sweep: u32,
@@ -29,11 +37,22 @@ pub(super) struct TableBite<H> {
 }
 
 impl<H: HeightFunction> TableBite<H> {
-    pub(super) fn new(tool: H, [from, to]: [At; 2], i_sweep: u32, engagement: u32) -> Self {
-        Self { tool, from: from.point, way: to.point - from.point, i_sweep, engagement }
+    /// On its way between two places. A tool that is nothing but `end` is known by that.
+    pub(super) fn new(
+        (tool, end): (H, Option<End>),
+        [from, to]: [At; 2],
+        i_sweep: u32,
+        engagement: u32,
+    ) -> Self {
+        let (from, way) = (from.point, to.point - from.point);
+        let reach = tool.reach();
+        let around = End::Flat { radius: reach.x.hypot(reach.z), rise: -reach.top };
+        let trace = Trace::new(end.unwrap_or(around), &from, &way);
+        Self { tool, trace, is_exact: end.is_some(), from, way, i_sweep, engagement }
     }
 
     /// The lowest the tool comes over the ray at (x, z), if that is below `limit`.
+    #[inline(never)]
     fn lowest(&self, x: f64, z: f64, limit: f64) -> Option<f64> {
         let (x, z) = (x - self.from.x, z - self.from.z);
         let (dx, dz) = (-self.way.x, -self.way.z);
@@ -74,7 +93,8 @@ impl<H: HeightFunction> TableBite<H> {
     }
 
     /// Cuts one row.
-    fn bite_row(&self, row: &mut Row, cut: &mut Cut) {
+    #[inline(always)]
+    fn bite_row<S: Simd>(&self, simd: S, row: &mut Row, cut: &mut Cut) {
         let reach = self.tool.reach();
         let lowest = self.from.y + self.way.y.min(0.0) - reach.top;
         if row.highest <= lowest {
@@ -89,18 +109,33 @@ impl<H: HeightFunction> TableBite<H> {
         if row.peak(&columns) <= lowest {
             return;
         }
-        row.engage(self.engagement);
         let before = cut.removed;
-        for column in columns.0[0].clone() {
-            let z = first + step * column as f64;
-            if let Some(lowest) = self.lowest(row.x, z, row.ends[column]) {
-                cut.is_through |= lowest < row.layout.floor - BELOW;
-                row.lower(column, lowest.max(row.layout.floor), cut);
+        let lanes: [f64; LANES] = std::array::from_fn(|lane| step * lane as f64);
+        let lanes = f64x8::from_slice(simd, &lanes);
+        for start in columns.0[0].clone().step_by(LANES) {
+            let z = lanes + (first + step * start as f64);
+            let traced = self.trace.lowest(simd, row.x, z);
+            let n_lanes = (columns.0[0].end - start).min(LANES);
+            for lane in 0..n_lanes {
+                let end = row.ends[start + lane];
+                if traced[lane] < end
+                    && let Some(lowest) = self.exact(row.x, z[lane], traced[lane], end)
+                {
+                    row.engage(self.engagement);
+                    cut.is_through |= lowest < row.layout.floor - BELOW;
+                    row.lower(start + lane, lowest.max(row.layout.floor), cut);
+                }
             }
         }
         if cut.removed > before {
             row.renew_peaks(&columns);
         }
+    }
+
+    /// The lowest over a ray that ends at `end`, above its trace, if that is lower.
+    #[inline(always)]
+    fn exact(&self, x: f64, z: f64, traced: f64, end: f64) -> Option<f64> {
+        if self.is_exact { Some(traced) } else { self.lowest(x, z, end) }
     }
 }
 
@@ -115,9 +150,9 @@ impl<H: HeightFunction> Bite for TableBite<H> {
     }
 
     #[inline(always)]
-    fn bite<S: Simd>(&self, _simd: S, turn: Turn<Self>, stripe: &mut Stripe, cut: &mut Cut) {
+    fn bite<S: Simd>(&self, simd: S, turn: Turn<Self>, stripe: &mut Stripe, cut: &mut Cut) {
         for i in turn.rows {
-            self.bite_row(&mut stripe.row(i), cut);
+            self.bite_row(simd, &mut stripe.row(i), cut);
         }
     }
 }

@@ -85,12 +85,7 @@ struct Gaps {
 impl Gaps {
     fn between(from: &At, to: &At, turn: f64) -> Self {
         // The attack direction stands still while the part turns.
-        let still = |at: &At| {
-            let (sin, cos) = at.attack.sin_cos();
-            let (y, z) = (at.point.y, at.point.z);
-            [y * cos + z * sin, z * cos - y * sin]
-        };
-        let (a, b) = (still(from), still(to));
+        let (a, b) = (from.along_and_across(), to.along_and_across());
         let way = [b[0] - a[0], b[1] - a[1]];
         let square = way[0].hypot(way[1]);
         let nearest = if square > 0.0 {

@@ -9,13 +9,15 @@ use super::layout::{At, Kind};
 use super::over_table::TableBite;
 use super::places::Places;
 use super::row::Cut;
+use super::shave::{Blade, Placed};
+use super::strip::Flat;
 use super::stripe::{Bite, STRIPE, Stripe};
-use super::under_mill::MillBite;
-use super::under_wheel::WheelBite;
+use super::trace::End;
+use super::under_ball::Ball;
 use super::{Stance, StockError};
 use crate::machine::{AxisValues, Machine};
 use crate::progress::Progress;
-use crate::tool::Cutter;
+use crate::tool::{Cutter, HeightFunction, Mill};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
@@ -141,23 +143,40 @@ impl Stock {
         cuts: &mut [Cut],
     ) {
         match (self.layout.kind, *cutter) {
-            (Kind::Turned, Cutter::Wheel(wheel)) => {
-                let bites = steps.map(|(at, i, e)| WheelBite::new(wheel, &at[1], i, e));
-                self.bite(&bites.collect::<Vec<_>>(), cuts);
-            }
-            (Kind::Turned, Cutter::Mill(mill)) => {
-                let bites = steps.map(|(at, i, e)| MillBite::new(mill, &at[1], i, e));
-                self.bite(&bites.collect::<Vec<_>>(), cuts);
-            }
+            (Kind::Turned, Cutter::Wheel(wheel)) => self.turn(wheel, steps, cuts),
+            (Kind::Turned, Cutter::Mill(mill)) => match end_of(&mill) {
+                Some(End::Ball { radius, centre }) => {
+                    self.turn(Ball { radius, centre }, steps, cuts);
+                }
+                Some(End::Flat { radius, .. }) => self.turn(Flat { radius }, steps, cuts),
+                None => self.turn(mill, steps, cuts),
+            },
             (Kind::Table, Cutter::Wheel(wheel)) => {
-                let bites = steps.map(|(at, i, e)| TableBite::new(wheel, at, i, e));
+                let bites = steps.map(|(at, i, e)| TableBite::new((wheel, None), at, i, e));
                 self.bite(&bites.collect::<Vec<_>>(), cuts);
             }
             (Kind::Table, Cutter::Mill(mill)) => {
-                let bites = steps.map(|(at, i, e)| TableBite::new(mill, at, i, e));
+                let tool = (mill, end_of(&mill));
+                let bites = steps.map(|(at, i, e)| TableBite::new(tool, at, i, e));
                 self.bite(&bites.collect::<Vec<_>>(), cuts);
             }
         }
+    }
+
+    /// Cuts a turned part with `blade` at one place after the other.
+    fn turn<B: Blade + Copy>(
+        &mut self,
+        blade: B,
+        steps: impl Iterator<Item = ([At; 2], u32, u32)>,
+        cuts: &mut [Cut],
+    ) {
+        let placed = |([_, at], i_sweep, engagement): ([At; 2], u32, u32)| Placed {
+            blade,
+            at,
+            i_sweep,
+            engagement,
+        };
+        self.bite(&steps.map(placed).collect::<Vec<_>>(), cuts);
     }
 
     fn bite<B: Bite>(&mut self, bites: &[B], cuts: &mut [Cut]) {
@@ -179,4 +198,11 @@ impl Stock {
             cuts[i_sweep as usize].add(&cut);
         }
     }
+}
+
+/// The end of a mill that is a ball, or flat, and nothing else.
+fn end_of(mill: &Mill) -> Option<End> {
+    let ball = mill.ball_radius();
+    let ball = ball.map(|radius| End::Ball { radius, centre: radius - mill.reach().top });
+    ball.or_else(|| mill.flat_radius().map(|radius| End::Flat { radius, rise: 0.0 }))
 }

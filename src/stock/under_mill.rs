@@ -1,4 +1,4 @@
-//! An end mill at work on a turned part.
+//! Any other end mill at work on a turned part.
 //!
 //! Along a ray from the spindle axis a convex tool is entered once. With `s` the way along the ray,
 //! `b` its angle from the attack direction and (ta, tw) the tool's tip along and across it,
@@ -6,164 +6,137 @@
 //! taken to go on for ever away from the part.
 
 use super::layout::At;
-use super::row::{Columns, Cut, Row};
-use super::stripe::{Bite, Stripe, Turn};
+use super::shave::{Blade, Borders, Rays, Section};
+use super::strip::Strip;
 use crate::tool::{HeightFunction, Mill};
-use fearless_simd::Simd;
+use fearless_simd::{f64x8, prelude::*};
 
 /// The entry is found to within this [mm].
 const CLOSE: f64 = 1e-7;
 /// More halvings than this cannot be needed.
 const MOST_HALVINGS: usize = 80;
 
-/// A mill at one place.
+/// What a row meets of a mill.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct MillBite {
+pub(super) struct MillSection {
     mill: Mill,
-    radius: f64,
-    x: f64,
-    /// Of the tip from the axis, along and across the attack direction.
+    /// The row, beside the mill's axis.
+    dx: f64,
+    /// Of the programmed point, along the attack direction.
     along: f64,
-    across: f64,
-    /// The attack direction's angle about X.
-    attack: f64,
-    i_sweep: u32,
-    engagement: u32,
+    /// All of it lies in here.
+    strip: Strip,
 }
 
-impl MillBite {
-    pub(super) fn new(mill: Mill, at: &At, i_sweep: u32, engagement: u32) -> Self {
-        let (sin, cos) = at.attack.sin_cos();
-        Self {
-            mill,
-            radius: mill.reach().x,
-            x: at.point.x,
-            along: at.point.y * cos + at.point.z * sin,
-            across: at.point.z * cos - at.point.y * sin,
-            attack: at.attack,
-            i_sweep,
-            engagement,
-        }
-    }
+impl Blade for Mill {
+    type Section = MillSection;
 
-    /// The rays that may meet the tool below `peak`, where it is `half` wide to either side and
-    /// begins `lowest` from the axis.
-    fn columns(&self, row: &Row, half: f64, lowest: f64, peak: f64) -> Columns {
-        if lowest <= 0.0 {
-            return Columns::around(row.layout, 0.0, std::f64::consts::PI);
-        }
-        let widest = (peak * peak - lowest * lowest).max(0.0).sqrt();
-        // The angle to a place beside the attack line is widest where it is lowest, unless it lies
-        // on the other side of the line, where it is so at the peak.
-        let angle = |across: f64, outward: f64| {
-            let across = across.clamp(-widest, widest);
-            let along = if across * outward > 0.0 {
-                lowest
-            } else {
-                (peak * peak - across * across).max(lowest * lowest).sqrt()
-            };
-            self.attack + across.atan2(along)
-        };
-        Columns::between(
-            row.layout,
-            angle(self.across - half, -1.0),
-            angle(self.across + half, 1.0),
-        )
-    }
-
-    /// Where the ray enters the tool, and where it leaves it through the side, if it enters before
-    /// `limit`.
-    fn enter(&self, dx: f64, half: f64, turn: [f64; 2], limit: f64) -> Option<[f64; 2]> {
-        let [cos, sin] = turn;
-        let [from, exit] = if sin == 0.0 {
-            (self.across.abs() <= half).then_some([0.0, f64::INFINITY])?
-        } else {
-            let (a, b) = ((self.across - half) / sin, (self.across + half) / sin);
-            [a.min(b).max(0.0), a.max(b)]
-        };
-        let inside =
-            |s: f64| self.mill.height(dx, s * sin - self.across).map(|u| s * cos - self.along + u);
-        let (mut low, mut high) = (from, exit.min(limit));
-        if high <= low {
-            return None;
-        }
-        if inside(low).is_some_and(|g| g >= 0.0) {
-            return Some([low, exit]);
-        }
-        // `low` stays outside, before the tool. `high` is inside once `found`; until then it is a
-        // place at or behind which the tool is not entered any more.
-        let mut found = inside(high).is_some_and(|g| g >= 0.0);
-        for _ in 0..MOST_HALVINGS {
-            if high - low < CLOSE {
-                break;
-            }
-            let middle = f64::midpoint(low, high);
-            let jet = self.mill.along(dx, middle * sin - self.across, 0.0, sin);
-            let (g, slope) = (middle * cos - self.along + jet.value, cos + jet.slope);
-            if g >= 0.0 {
-                (high, found) = (middle, true);
-            } else if slope > 0.0 {
-                // A tangent lies over a concave function: the way in is not before its root.
-                low = middle - g / slope;
-            } else if found {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        (found && high < limit).then_some([high, exit])
-    }
-
-    /// Cuts one row.
-    fn bite_row(&self, row: &mut Row, cut: &mut Cut) {
-        let dx = row.x - self.x;
-        let half = (self.radius * self.radius - dx * dx).max(0.0).sqrt();
-        let Some(height) = self.mill.height(dx, 0.0) else { return };
-        let lowest = self.along - height;
-        if row.highest <= lowest {
-            return;
-        }
-        let on_axis = self.mill.height(dx, -self.across).is_some_and(|u| u >= self.along);
-        if on_axis {
-            row.clear(self.engagement, cut);
-            return;
-        }
-        let wide = self.columns(row, half, lowest, row.highest);
-        let peak = row.peak(&wide);
-        if peak <= lowest {
-            return;
-        }
-        let columns = self.columns(row, half, lowest, peak);
-        row.engage(self.engagement);
-        let before = cut.removed;
-        for column in columns.0.iter().flat_map(Clone::clone) {
-            let (sin, cos) = (column as f64 * row.layout.across[1] - self.attack).sin_cos();
-            let end = row.ends[column];
-            match self.enter(dx, half, [cos, sin], end) {
-                Some([_, exit]) if exit < end => cut.n_overhangs += 1,
-                Some([entry, _]) => row.lower(column, entry, cut),
-                None => {}
-            }
-        }
-        if cut.removed > before {
-            row.renew_peaks(&columns);
-        }
-    }
-}
-
-impl Bite for MillBite {
-    fn reach(&self) -> [f64; 2] {
-        [self.x - self.radius, self.x + self.radius]
-    }
-
-    fn i_sweep(&self) -> u32 {
-        self.i_sweep
+    #[inline(always)]
+    fn half_width(&self) -> f64 {
+        self.reach().x
     }
 
     #[inline(always)]
-    fn bite<S: Simd>(&self, _simd: S, turn: Turn<Self>, stripe: &mut Stripe, cut: &mut Cut) {
-        for i in turn.rows {
-            self.bite_row(&mut stripe.row(i), cut);
+    fn section(&self, at: &At, dx: f64) -> MillSection {
+        let radius = self.half_width();
+        let dx = dx.clamp(-radius, radius);
+        let half = (radius * radius - dx * dx).max(0.0).sqrt();
+        let highest = self.height(dx, 0.0).unwrap_or(0.0);
+        let [along, _] = at.along_and_across();
+        MillSection { mill: *self, dx, along, strip: Strip::above(at, half, -highest) }
+    }
+}
+
+impl Section for MillSection {
+    #[inline(always)]
+    fn nearest(&self) -> Option<[f64; 2]> {
+        let on_axis = self.mill.height(self.dx, -self.strip.across);
+        if on_axis.is_some_and(|u| u >= self.along) {
+            return None;
         }
+        Some(self.strip.nearest().unwrap_or([0.0; 2]))
+    }
+
+    #[inline(always)]
+    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S> {
+        self.strip.bound(simd, rays)
+    }
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, ends: f64x8<S>) -> [f64x8<S>; 2] {
+        let Rays { cos, sin } = self.strip.seen(rays);
+        let may_be_met = self.bound(simd, rays).simd_lt(ends).to_bitmask();
+        let mut met = [f64x8::splat(simd, f64::INFINITY); 2];
+        for lane in (0..cos.as_slice().len()).filter(|lane| may_be_met >> lane & 1 == 1) {
+            if let Some([entry, exit]) = self.enter([cos[lane], sin[lane]], ends[lane]) {
+                (met[0][lane], met[1][lane]) = (entry, exit);
+            }
+        }
+        met
+    }
+
+    // Between two borders its rim may be of any shape.
+    #[inline(always)]
+    fn is_within<S: Simd>(&self, _: &Self, _: &Borders<S>, _: &[f64x8<S>; 2]) -> u64 {
+        0
+    }
+}
+
+impl MillSection {
+    /// Where a ray enters the tool and where it leaves it, if it enters before `limit`; that it
+    /// leaves is only looked into up to there.
+    #[inline(never)]
+    fn enter(&self, [cos, sin]: [f64; 2], limit: f64) -> Option<[f64; 2]> {
+        let Strip { across, half, .. } = self.strip;
+        let [from, side] = if sin == 0.0 {
+            (across.abs() <= half).then_some([0.0, f64::INFINITY])?
+        } else {
+            let (a, b) = ((across - half) / sin, (across + half) / sin);
+            [a.min(b).max(0.0), a.max(b)]
+        };
+        let end = side.min(limit);
+        if end <= from {
+            return None;
+        }
+        let is_inside = |s: f64| {
+            let height = self.mill.height(self.dx, s * sin - across);
+            height.is_some_and(|u| s * cos - self.along + u >= 0.0)
+        };
+        let ends_inside = is_inside(end);
+        let entry = if is_inside(from) {
+            from
+        } else {
+            // `low` stays outside, before the tool. `high` is inside once `found`; until then it is
+            // a place at or behind which the tool is not entered any more.
+            let (mut low, mut high, mut found) = (from, end, ends_inside);
+            for _ in 0..MOST_HALVINGS {
+                if high - low < CLOSE {
+                    break;
+                }
+                let middle = f64::midpoint(low, high);
+                let jet = self.mill.along(self.dx, middle * sin - across, 0.0, sin);
+                let (g, slope) = (middle * cos - self.along + jet.value, cos + jet.slope);
+                if g >= 0.0 {
+                    (high, found) = (middle, true);
+                } else if slope > 0.0 {
+                    // A tangent lies over a concave function: the way in is not before its root.
+                    low = middle - g / slope;
+                } else if found {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            found.then_some(high)?
+        };
+        if ends_inside {
+            return (entry < limit).then_some([entry, side]);
+        }
+        let (mut inside, mut outside) = (entry, end);
+        while outside - inside > CLOSE {
+            let middle = f64::midpoint(inside, outside);
+            *(if is_inside(middle) { &mut inside } else { &mut outside }) = middle;
+        }
+        Some([entry, outside])
     }
 }

@@ -65,6 +65,12 @@ impl Mill {
         is_ball.then_some(self.corner.radius)
     }
 
+    /// The radius of a mill that is a flat end and nothing else.
+    pub fn flat_radius(&self) -> Option<f64> {
+        let is_flat = self.corner.radius == 0.0 && self.flank.is_none();
+        is_flat.then_some(self.corner.center)
+    }
+
     /// `u`, `u'` and `u''` at a distance from the axis.
     #[inline(always)]
     fn profile(&self, rho: f64) -> Jet {

@@ -4,8 +4,8 @@ use crate::random_cases::Draw;
 use horma::geom::{Aabb, Point3, TriMesh, shapes};
 use horma::machine::{AxisValues, Machine};
 use horma::progress::Silent;
-use horma::stock::{Cut, Layout, Resolution, Stock, Sweep};
-use horma::tool::{Cutter, Profile};
+use horma::stock::{Cut, Layout, Resolution, Stance, Stock, Sweep};
+use horma::tool::{Cutter, HeightFunction, Profile};
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::{PI, TAU};
 
@@ -160,6 +160,50 @@ fn a_wandering_wheel_cuts_every_ray_as_the_textbook_does_one_by_one() {
         }
         assert!(rays.farthest_from(&stock) < 1e-9, "seed {seed}");
         assert!(was_overhanging || seed != 2, "the case tries nothing");
+    }
+}
+
+#[test]
+fn a_wandering_mill_cuts_every_ray_where_its_height_function_says() {
+    let profiles = [
+        Profile::Ball { radius: 6.0 },
+        Profile::Flat { radius: 6.0 },
+        Profile::Bull { radius: 6.0, corner_radius: 2.0 },
+        Profile::BallCone { tip_radius: 1.0, half_angle: 0.2, radius: 5.0 },
+    ];
+    let mill = Machine::builtin("mill-rotary").unwrap();
+    let [x, y, z, a] = ['X', 'Y', 'Z', 'A'].map(|letter| mill.axis_index(letter).unwrap());
+    // Seeds for which no ray only grazes a tool, where rounding decides.
+    for (seed, profile) in (10..).zip(profiles) {
+        for allowance in [0.0, 0.5] {
+            let mut draw = Draw::seed_from_u64(seed);
+            let block = around([0.0, 30.0], 30.0);
+            let layout = layout(&mill, &block, Resolution::even(2.0));
+            let mut stock = Stock::cylinder(layout, 30.0);
+            let mut rays = Rays::of(&stock);
+            let mut place: [f64; 4] = [15.0, 0.0, 31.0, 0.0];
+            for _ in 0..30 {
+                let jumps = draw.random_bool(0.3);
+                let step = if jumps { 1.0 } else { 0.1 };
+                place[0] = (place[0] + step * draw.random_range(-9.0..9.0)).clamp(-4.0, 34.0);
+                // Beside the axis as well, even past the part's middle.
+                place[1] = (place[1] + step * draw.random_range(-9.0..9.0)).clamp(-25.0, 25.0);
+                place[2] = (place[2] + step * draw.random_range(-12.0..12.0)).clamp(3.0, 32.0);
+                place[3] += step * draw.random_range(-3.0..4.0);
+                let mut values = mill.at_rest();
+                (values[x], values[y], values[z], values[a]) =
+                    (place[0], place[1], place[2], place[3]);
+                let moves = [Sweep { from: values, to: values, engages: true }];
+                let cutter = profile.cutter(allowance);
+                let cuts = stock.remove(&mill, &cutter, &moves, &Silent).unwrap();
+                let stance = Stance::at(&mill, &values);
+                let expected = rays.mill(&cutter, &stance);
+                assert_eq!(cuts[0].is_through, expected.is_through);
+                assert!((cuts[0].depth - expected.depth).abs() < 1e-6, "{cuts:?} {expected:?}");
+                assert!((cuts[0].removed - expected.removed).abs() < 1e-3, "{cuts:?} {expected:?}");
+            }
+            assert!(rays.farthest_from(&stock) < 1e-6, "{profile} {}", rays.farthest_from(&stock));
+        }
     }
 }
 
@@ -444,6 +488,56 @@ impl Rays {
                 cut.depth =
                     if *end - lower > 1e-4 { cut.depth.max(*end - lower) } else { cut.depth };
                 *end = lower;
+            }
+        }
+        cut
+    }
+
+    /// A mill at `stance`: along each ray its inside is where a concave function is not negative.
+    fn mill(&mut self, cutter: &Cutter, stance: &Stance) -> Cut {
+        let Cutter::Mill(mill) = cutter else { unreachable!("a mill") };
+        let (point, attack) = (stance.point, stance.attack);
+        let mut cut = Cut::default();
+        for ([row_x, weight], ends) in self.rows.iter().zip(&mut self.ends) {
+            let step = TAU / ends.len() as f64;
+            for (j, end) in ends.iter_mut().enumerate() {
+                let (sin, cos) = (step * j as f64).sin_cos();
+                let inside = |s: f64| {
+                    let seen = Point3::new(*row_x, s * cos, s * sin) - point;
+                    let along = seen.y * attack.y + seen.z * attack.z;
+                    let across = seen.z * attack.y - seen.y * attack.z;
+                    mill.height(seen.x, across).map_or(-1e9 - across.abs(), |u| along + u)
+                };
+                // Up to the greatest value, then back to where it becomes negative.
+                let [mut low, mut high, mut top] = [0.0, 200.0, 0.0];
+                for _ in 0..100 {
+                    let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+                    let to_the_right = inside(a) < inside(b);
+                    let best = if to_the_right { b } else { a };
+                    top = if inside(best) > inside(top) { best } else { top };
+                    [low, high] = if to_the_right { [a, high] } else { [low, b] };
+                }
+                if inside(top) < 0.0 {
+                    continue;
+                }
+                let edge = |mut outside: f64| {
+                    let mut within = top;
+                    for _ in 0..60 {
+                        let middle = f64::midpoint(outside, within);
+                        *if inside(middle) < 0.0 { &mut outside } else { &mut within } = middle;
+                    }
+                    within
+                };
+                let entry = if inside(0.0) >= 0.0 { 0.0 } else { edge(0.0) };
+                let exit = if inside(200.0) >= 0.0 { f64::INFINITY } else { edge(200.0) };
+                cut.is_through |= entry == 0.0 && *end > 0.0;
+                if entry >= *end || (*end > exit && entry > 0.0) {
+                    continue;
+                }
+                cut.removed += (*end * *end - entry * entry) / 2.0 * step * weight;
+                cut.depth =
+                    if *end - entry > 1e-4 { cut.depth.max(*end - entry) } else { cut.depth };
+                *end = entry;
             }
         }
         cut
