@@ -228,6 +228,57 @@ fn the_command_sets_the_part_up_as_the_header_says_and_its_exit_code_judges() {
     assert!(said(&told).contains("the part needs a block of radius"));
 }
 
+#[test]
+fn a_job_shows_in_its_own_report_what_its_program_leaves() {
+    let shop = Folder::new();
+    let bar = Surface::Mesh(round_bar());
+    write_surface(&shop.path("bar.stl"), &bar, Overwrite::Refuse).unwrap();
+    std::fs::write(shop.path("cloud.xyz"), "0 0 0\n90 0 9\n0 9 0\n").unwrap();
+    let [part, cloud, program] = ["bar.stl", "cloud.xyz", "out.ngc"].map(|name| shop.path(name));
+    let [part, cloud, program] = [&part, &cloud, &program].map(|path| path.to_str().unwrap());
+    let coarse = ["-m", "last-lathe", "--pitch", "4", "--points-per-turn", "60", "--no-pictures"];
+    let cam = [&coarse[..], &["--stock", "1", "--verify=1", "--json", "-o", program]].concat();
+    let told = horma(&[&["cam", part][..], &cam].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    let verified = &report["verified"];
+    assert_eq!(verified["block"], "the part with 1 mm more all over");
+    assert_eq!(verified["simulation"]["n-collisions"], 0);
+    let depth = verified["simulation"]["greatest-depth"]["value"].as_f64().unwrap();
+    // The wheel shaves the ends of the block as well, where they are deep along a ray.
+    assert!((0.9..6.0).contains(&depth), "{depth}");
+    let page = std::fs::read_to_string(shop.path("out.report.html")).unwrap();
+    assert!(page.contains("Cut in simulation") && page.contains("Unrolled about the spindle."));
+    // Roughing is cut from the block it was made for.
+    let rough = ["--force", "--block", "box:3", "--max-depth", "8"];
+    let told = horma(&[&["rough", part][..], &cam, &rough].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert_eq!(report["verified"]["block"], "a box 3 mm larger all around");
+    // Points have no surface, and standard output has no report: told before the work begins.
+    let told = horma(&[&["cam", cloud, "--units", "mm", "--force"][..], &cam].concat());
+    assert_eq!(told.status.code(), Some(65), "{}", said(&told));
+    assert!(said(&told).contains("no surface to compare with"), "{}", said(&told));
+    let told = horma(&[&["cam", part][..], &coarse, &["--verify", "-o", "-"]].concat());
+    assert_eq!(told.status.code(), Some(2), "{}", said(&told));
+    assert!(said(&told).contains("give -o FILE"), "{}", said(&told));
+}
+
+#[test]
+fn a_program_goes_on_with_what_the_one_before_it_left() {
+    let program = |depth: f64| rings(2.0, |_| depth);
+    let bar = RawBlock::Body(Block::Cylinder { radius: Some(34.0) });
+    let rough = verified(&round_bar(), &program(-1.5), bar, 1.0);
+    let left = RawBlock::Left(Box::new(rough.stock));
+    let found = verified(&round_bar(), &program(0.0), left, 1.0).report;
+    assert_eq!(found.block, "what the program before it left");
+    assert_eq!(found.simulation.start_volume, rough.report.simulation.end_volume);
+    // 4 mm of stock less the 2.5 mm roughing took, and the ridges between its rings.
+    let ridge = 10.0 - (100.0_f64 - 1.0).sqrt();
+    let depth = found.simulation.greatest_depth.unwrap().value;
+    assert!((1.5..1.5 + ridge + 0.05).contains(&depth), "{depth}");
+}
+
 fn said(told: &Output) -> String {
     String::from_utf8_lossy(&told.stderr).into_owned()
 }

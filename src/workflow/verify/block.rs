@@ -8,19 +8,21 @@ use crate::stock::{Layout, Resolution, Stock};
 use std::fmt;
 
 /// What a part is cut from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum RawBlock {
     /// The part and its clamps with so much more all over: what roughing leaves [mm].
     Grown(f64),
     /// A body; the clamps stand out of it.
     Body(Block),
+    /// What another program left, looked at as finely as it was then.
+    Left(Box<Stock>),
 }
 
 impl RawBlock {
     /// The block around the part as it is set up, looked at along rays with the rotary axes as in
     /// `values`.
     pub(super) fn stock(
-        &self,
+        self,
         setup: &Setup,
         machine: &Machine,
         values: &AxisValues,
@@ -35,11 +37,12 @@ impl RawBlock {
             round.unwrap_or_else(|| Layout::new(machine, values, space, resolution))
         };
         match self {
+            Self::Left(stock) => Ok(*stock),
             Self::Grown(margin) => {
-                let grow = Vector3::repeat(*margin);
+                let grow = Vector3::repeat(margin);
                 let space = held(setup, Aabb { min: all.min - grow, max: all.max + grow });
                 let layout = layout(Some(swing(setup, machine) + margin), &space)?;
-                Ok(Stock::of_mesh(layout, part).grown(*margin))
+                Ok(Stock::of_mesh(layout, part).grown(margin))
             }
             Self::Body(block) => {
                 let mut body = block.around(setup, machine, 0.0)?;
@@ -78,6 +81,7 @@ impl fmt::Display for RawBlock {
         match self {
             Self::Grown(margin) => write!(f, "the part with {margin} mm more all over"),
             Self::Body(block) => block.fmt(f),
+            Self::Left(_) => f.write_str("what the program before it left"),
         }
     }
 }

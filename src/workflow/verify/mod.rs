@@ -10,13 +10,13 @@ pub use options::VerifyOptions;
 
 use crate::cam::{BlockError, Part, SetupError, set_up};
 use crate::gcode::{BlockKind, Program, StepKind};
-use crate::geom::{Surface, TriMesh};
+use crate::geom::Surface;
 use crate::machine::{AxisValues, Machine, MachineError};
 use crate::measure::{
     Deviation, DeviationReport, SimulateError, SimulationReport, Target, deviation, simulate,
 };
 use crate::progress::Progress;
-use crate::stock::{Resolution, StockError};
+use crate::stock::{Resolution, Stock, StockError};
 use crate::tool::{Tool, ToolError};
 use crate::workflow::cam::{CamOptions, OptionsError};
 use serde::Serialize;
@@ -51,10 +51,9 @@ pub struct VerifyJob<'a> {
 pub struct Verified {
     /// The numbers.
     pub report: VerifyReport,
-    /// The surface that was cut; its first vertices are the ends of the rays, in the order of
-    /// `deviation.values`.
-    pub surface: TriMesh,
-    /// How far each ray is off.
+    /// What is left of the block.
+    pub stock: Stock,
+    /// How far each of its rays is off, row by row; NaN where nothing was to be cut.
     pub deviation: Vec<f64>,
 }
 
@@ -131,6 +130,7 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
     let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let first = first_cut(job.program, job.machine).ok_or(VerifyError::NoMoves)?;
     let resolution = Resolution::even(job.options.resolution());
+    let block = job.block.to_string();
     let stock = job.block.stock(&setup, job.machine, &first, resolution)?;
     let simulated = simulate(job.program, job.machine, &job.tools, stock, progress)?;
     let part = Part::triangles(mesh);
@@ -145,7 +145,7 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
         part: job.part_name,
         machine: [job.machine.name.clone(), job.machine.title.clone()],
         tools: job.tools.iter().map(|tool| [tool.name.clone(), tool.profile.to_string()]).collect(),
-        block: job.block.to_string(),
+        block,
         simulation: simulated.report,
         deviation,
         tolerance,
@@ -153,7 +153,7 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
         notes: job.notes,
     };
     report.find_faults();
-    Ok(Verified { report, surface: simulated.stock.to_mesh(), deviation: values })
+    Ok(Verified { report, stock: simulated.stock, deviation: values })
 }
 
 impl VerifyReport {
