@@ -229,6 +229,23 @@ impl Layout {
         self.rays_from_part.inverse_transform_point(&seen)
     }
 
+    /// The row and column of the ray nearest to a point of the part's frame; `None` beyond them all.
+    pub fn ray_near(&self, point: &Point3) -> Option<[usize; 2]> {
+        let seen = self.rays_from_part * point;
+        let row = ((seen.x - self.along[0]) / self.along[1]).round();
+        let column = match self.kind {
+            Kind::Turned => seen.z.atan2(seen.y) / self.across[1],
+            Kind::Table => (seen.z - self.across[0]) / self.across[1],
+        };
+        let column = match self.kind {
+            Kind::Turned => column.round().rem_euclid(self.n_columns as f64),
+            Kind::Table => column.round(),
+        };
+        let is_there = (0.0..self.n_rows as f64).contains(&row)
+            && (0.0..self.n_columns as f64).contains(&column);
+        is_there.then_some([row as usize, column as usize])
+    }
+
     /// The stance of a tool that attacks along a ray, its programmed point at `value` on it; X and
     /// the place across as numbers, not as rows and columns, in the layout's own frame.
     pub fn stance(&self, x: f64, across: f64, value: f64) -> Stance {
@@ -373,6 +390,18 @@ mod tests {
         assert!((flat.reach() - 80.0).abs() < 1e-12);
         // Attack x = X, y = Z, z = -Y.
         assert!((flat.point(0, 0, 5.0) - Point3::new(0.0, 30.0, 5.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn the_end_of_a_ray_is_nearest_to_its_own_ray() {
+        for machine in ["last-lathe", "mill-3axis"] {
+            let layout = layout(machine, 3.0).unwrap();
+            for [row, column] in [[0, 0], [7, 3], [layout.n_rows() - 1, layout.n_columns() - 1]] {
+                let point = layout.point(row, column, 12.0);
+                assert_eq!(layout.ray_near(&point), Some([row, column]), "{machine}");
+            }
+            assert_eq!(layout.ray_near(&Point3::new(900.0, 0.0, 0.0)), None);
+        }
     }
 
     #[test]

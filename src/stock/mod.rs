@@ -18,6 +18,7 @@
 //!
 //! Dexels after T. Van Hook, *Real-time shaded NC milling display* (1986).
 
+mod beside;
 mod body;
 mod dexels;
 mod layout;
@@ -32,6 +33,7 @@ mod surface;
 mod under_mill;
 mod under_wheel;
 
+pub use beside::Crests;
 pub use dexels::Stock;
 pub use layout::{Layout, Resolution};
 pub use remove::Sweep;

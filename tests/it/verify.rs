@@ -12,7 +12,7 @@ use horma::machine::Machine;
 use horma::measure::{CollisionKind, simulate};
 use horma::progress::Silent;
 use horma::stock::{Layout, Resolution, Stock};
-use horma::tool::{Tool, ToolLibrary};
+use horma::tool::{Body, BodyPart, Side, Tool, ToolLibrary};
 use horma::workflow::cam::CamOptions;
 use horma::workflow::verify::{RawBlock, Verified, VerifyJob, VerifyOptions, asked, verify};
 use serde_json::Value;
@@ -29,7 +29,19 @@ fn wheel() -> Tool {
 
 /// What `program` makes of a block around `part`.
 fn verified(part: &TriMesh, program: &Program, block: RawBlock, resolution: f64) -> Verified {
-    let machine = lathe();
+    verified_on("last-lathe", &wheel(), part, program, block, resolution)
+}
+
+/// The same on any machine with any tool.
+fn verified_on(
+    machine: &str,
+    tool: &Tool,
+    part: &TriMesh,
+    program: &Program,
+    block: RawBlock,
+    resolution: f64,
+) -> Verified {
+    let machine = Machine::builtin(machine).unwrap();
     let head = asked(program).unwrap();
     let options = VerifyOptions { resolution: Some(resolution), tolerance: None };
     let job = VerifyJob {
@@ -39,7 +51,7 @@ fn verified(part: &TriMesh, program: &Program, block: RawBlock, resolution: f64)
         surface: Surface::Mesh(part.clone()),
         notes: Vec::new(),
         machine: &machine,
-        tools: vec![wheel()],
+        tools: vec![tool.clone()],
         setup: &head.options.unwrap_or_default(),
         block,
         options: &options,
@@ -93,6 +105,10 @@ fn a_gouge_is_caught_to_a_hundredth_where_it_is() {
     let gouge = found.deviation.gouge.unwrap();
     assert!((gouge.value - 0.37).abs() < 0.01, "{gouge:?}");
     assert!((gouge.at[0] - 73.0).abs() <= 0.25, "{gouge:?}");
+    // Four lines, then 37 to a ring.
+    let ring = 5 + 37 * 73;
+    assert!((ring..=ring + 37).contains(&gouge.line.unwrap()), "{gouge:?}");
+    assert!(found.faults[0].contains(&format!(", by line {}", gouge.line.unwrap())));
     // The groove of a nose of radius 10, 0.37 deep, is 5.4 mm wide.
     assert!(
         (found.deviation.gouged_area / 942.0 - 1.0).abs() < 0.15,
@@ -110,6 +126,63 @@ fn a_rapid_through_material_is_a_collision_with_its_line() {
     let [collision] = found.simulation.collisions[..] else { panic!("{:?}", found.faults) };
     assert_eq!((collision.line, collision.kind), (4, CollisionKind::Rapid));
     assert!((collision.depth - 2.0).abs() < 0.02, "{collision:?}");
+}
+
+#[test]
+fn a_spindle_too_thick_for_its_wheel_collides_as_deep_as_the_stock_stands_then() {
+    let program = rings(2.0, |_| 0.0);
+    let with = |side| {
+        // The wheel's centre keeps 100 mm from the axis: a spindle of radius 75 reaches to 25 mm.
+        let body = Body {
+            spindle_side: Some(side),
+            spindle_diameter: Some(150.0),
+            arbor_diameter: Some(60.0),
+            nut_length: Some(30.0),
+            ..Body::default()
+        };
+        let tool = Tool { body: Some(body), length: 45.0, ..wheel() };
+        let block = RawBlock::Grown(1.0);
+        verified_on("last-lathe", &tool, &round_bar(), &program, block, 1.0).report
+    };
+    // Towards the toe it runs ahead of the wheel, over what is not cut yet; the other way behind it.
+    for (side, depth) in [(Side::Toe, 6.0), (Side::Heel, 5.0)] {
+        let found = with(side).simulation;
+        let deepest = found.collisions.iter().map(|hit| hit.depth).fold(0.0, f64::max);
+        assert!((deepest - depth).abs() < 0.1, "{side:?}: {deepest}");
+        assert!(found.collisions.iter().all(|hit| hit.kind == CollisionKind::Spindle));
+        assert_eq!(found.n_collisions, 100);
+        assert_eq!(found.bodies.stopped_at, Some(found.collisions[99].line));
+        assert_eq!(found.bodies.checked[0].parts, [BodyPart::Arbor, BodyPart::Spindle]);
+    }
+    let found = with(Side::Toe);
+    assert!(found.faults[0].contains("the spindle runs "), "{:?}", found.faults);
+    // Without a word on its body nothing is looked at, and the report says of what.
+    let found = verified(&round_bar(), &program, RawBlock::Grown(1.0), 1.0).report.simulation;
+    assert_eq!((found.n_collisions, found.bodies.unknown), (0, vec![wheel().name]));
+}
+
+#[test]
+fn a_part_indexed_on_a_tilted_table_is_simulated_as_the_tool_sees_it() {
+    let aabb = Aabb { min: Point3::new(-20.0, -15.0, 0.0), max: Point3::new(20.0, 15.0, 30.0) };
+    let part = shapes::cuboid(&aabb);
+    let options = CamOptions {
+        tool: Some("ball-10".into()),
+        pitch: Some(2.0),
+        hold: vec!["A=30".into(), "C=45".into()],
+        tolerance: Some(0.01),
+        ..Default::default()
+    };
+    let plan = cut(&part, "mill-5axis", &options);
+    let mill = Machine::builtin("mill-5axis").unwrap();
+    let program = program_of(&plan, &mill);
+    let ball = ToolLibrary::builtin().find("ball-10").unwrap();
+    let found = verified_on("mill-5axis", &ball, &part, &program, RawBlock::Grown(1.0), 0.5).report;
+    assert!(found.is_clean(), "{:?}", found.faults);
+    // Flat sides that lean are left with the ridges of a ball of 5 mm at 2 mm and a steep pitch.
+    let left = found.deviation.left_by_path.unwrap().value;
+    assert!(left < 0.5, "{left}");
+    let depth = found.simulation.greatest_depth.unwrap().value;
+    assert!((1.0..4.0).contains(&depth), "{depth}");
 }
 
 #[test]

@@ -22,7 +22,7 @@ impl RawBlock {
     /// The block around the part as it is set up, looked at along rays with the rotary axes as in
     /// `values`.
     pub(super) fn stock(
-        self,
+        &self,
         setup: &Setup,
         machine: &Machine,
         values: &AxisValues,
@@ -37,12 +37,12 @@ impl RawBlock {
             round.unwrap_or_else(|| Layout::new(machine, values, space, resolution))
         };
         match self {
-            Self::Left(stock) => Ok(*stock),
+            Self::Left(stock) => Ok(stock.as_ref().clone()),
             Self::Grown(margin) => {
-                let grow = Vector3::repeat(margin);
+                let grow = Vector3::repeat(*margin);
                 let space = held(setup, Aabb { min: all.min - grow, max: all.max + grow });
                 let layout = layout(Some(swing(setup, machine) + margin), &space)?;
-                Ok(Stock::of_mesh(layout, part).grown(margin))
+                Ok(Stock::of_mesh(layout, part).grown(*margin))
             }
             Self::Body(block) => {
                 let mut body = block.around(setup, machine, 0.0)?;

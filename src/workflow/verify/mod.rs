@@ -13,7 +13,7 @@ use crate::gcode::{BlockKind, Program, StepKind};
 use crate::geom::Surface;
 use crate::machine::{AxisValues, Machine, MachineError};
 use crate::measure::{
-    Deviation, DeviationReport, SimulateError, SimulationReport, Target, deviation, simulate,
+    Deviation, DeviationReport, SimulateError, SimulationReport, Target, blame, deviation, simulate,
 };
 use crate::progress::Progress;
 use crate::stock::{Resolution, Stock, StockError};
@@ -130,8 +130,8 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
     let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let first = first_cut(job.program, job.machine).ok_or(VerifyError::NoMoves)?;
     let resolution = Resolution::even(job.options.resolution());
-    let block = job.block.to_string();
-    let stock = job.block.stock(&setup, job.machine, &first, resolution)?;
+    let block = || job.block.stock(&setup, job.machine, &first, resolution);
+    let stock = block()?;
     let simulated = simulate(job.program, job.machine, &job.tools, stock, progress)?;
     let part = Part::triangles(mesh);
     let target = Target { mesh, n_own: setup.n_own, part: &part };
@@ -145,13 +145,17 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
         part: job.part_name,
         machine: [job.machine.name.clone(), job.machine.title.clone()],
         tools: job.tools.iter().map(|tool| [tool.name.clone(), tool.profile.to_string()]).collect(),
-        block,
+        block: job.block.to_string(),
         simulation: simulated.report,
         deviation,
         tolerance,
         faults: Vec::new(),
         notes: job.notes,
     };
+    for spot in report.deviation.faults(tolerance) {
+        let stocks = [&block()?, &simulated.stock];
+        spot.line = blame(job.program, job.machine, &job.tools, stocks, &spot.at.into())?;
+    }
     report.find_faults();
     Ok(Verified { report, stock: simulated.stock, deviation: values })
 }
@@ -167,9 +171,10 @@ impl VerifyReport {
         for (spot, what) in gouges {
             if let Some(spot) = spot.filter(|spot| spot.value > self.tolerance) {
                 let [x, y, z] = spot.at;
+                let by = spot.line.map_or_else(String::new, |line| format!(", by line {line}"));
                 self.faults.push(format!(
                     "the {what} is cut {:.3} mm deep at X {x:.2} Y {y:.2} Z {z:.2} of the part set \
-                     up; {:.3} mm are allowed",
+                     up{by}; {:.3} mm are allowed",
                     spot.value, self.tolerance
                 ));
             }

@@ -105,6 +105,9 @@ fn description(tool: &Tool) -> Value {
     for (&key, value) in tool.profile.shape().keys().iter().zip(tool.profile.dimensions()) {
         all[key] = json!(value);
     }
+    if let Some(body) = &tool.body {
+        all["body"] = json!(body);
+    }
     all
 }
 

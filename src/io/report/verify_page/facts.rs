@@ -1,7 +1,7 @@
 //! The tables of a verification.
 
 use super::super::{Block, Figure, Table};
-use super::words::{exactness, left, percent, spot};
+use super::words::{bodies, exactness, left, percent, spot};
 use crate::measure::{Extreme, Spot, Within};
 use crate::workflow::verify::VerifyReport;
 
@@ -68,6 +68,7 @@ pub(super) fn way(report: &VerifyReport) -> Block {
         fact("Deepest cut", extreme(simulation.greatest_depth.as_ref(), "mm")),
         fact("Cutting air", air(report)),
         fact("Collisions", n_collisions(report)),
+        fact("Bodies looked at", bodies(&simulation.bodies)),
         fact("Exact to", exactness(&simulation.resolution)),
     ])
 }
@@ -85,6 +86,7 @@ pub(super) fn simulation(report: &VerifyReport) -> Block {
         fact("Cutting air", air(report)),
         fact("Moves", simulation.n_moves),
         fact("Moves beneath overhanging material", simulation.n_overhanging),
+        fact("Bodies looked at", bodies(&simulation.bodies)),
     ])
 }
 

@@ -1,6 +1,6 @@
 //! What the page of a verification and its summary say alike.
 
-use crate::measure::{ResolutionReport, Spot};
+use crate::measure::{BodiesReport, CheckedBody, ResolutionReport, Spot};
 use crate::workflow::verify::VerifyReport;
 
 /// Less than this prints as nothing [mm].
@@ -10,8 +10,9 @@ const SHOWN: f64 = 0.0005;
 pub(super) fn spot(spot: Option<&Spot>) -> String {
     match spot.filter(|spot| spot.value >= SHOWN) {
         None => "none".to_owned(),
-        Some(Spot { value, at: [x, y, z] }) => {
-            format!("{value:.3} mm at X {x:.1} Y {y:.1} Z {z:.1}")
+        Some(Spot { value, at: [x, y, z], line }) => {
+            let by = line.map_or_else(String::new, |line| format!(", by line {line}"));
+            format!("{value:.3} mm at X {x:.1} Y {y:.1} Z {z:.1}{by}")
         }
     }
 }
@@ -28,6 +29,20 @@ pub(super) fn left(report: &VerifyReport) -> String {
         percent(report, report.deviation.left_area),
         percent(report, report.deviation.left_area_by_tool)
     )
+}
+
+/// What of the tools does not cut: which parts kept clear, and of which tools nobody knows.
+pub(super) fn bodies(bodies: &BodiesReport) -> String {
+    let checked = bodies.checked.iter().map(|CheckedBody { tool, parts }| {
+        let parts: Vec<_> = parts.iter().map(|part| part.word()).collect();
+        format!("{} of {tool}", parts.join(", "))
+    });
+    let unknown = bodies
+        .unknown
+        .iter()
+        .map(|tool| format!("nothing of {tool}: its library does not say what of it does not cut"));
+    let stopped = bodies.stopped_at.map(|line| format!("after line {line} nobody looked any more"));
+    checked.chain(unknown).chain(stopped).collect::<Vec<_>>().join("; ")
 }
 
 /// How exact the simulation is, in one line.
