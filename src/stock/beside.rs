@@ -6,7 +6,7 @@
 //! body begins is passed by.
 
 use super::dexels::Stock;
-use super::layout::{Kind, Layout};
+use super::layout::{Kind, Layout, TILT};
 use super::{Stance, StockError};
 use crate::tool::{Axle, Cylinder};
 use rayon::prelude::*;
@@ -54,6 +54,9 @@ impl Stock {
     ) -> Result<f64, StockError> {
         let layout = &self.layout;
         let at = layout.locate(stance)?;
+        if at.lean.abs() > TILT {
+            return Err(StockError::LeaningBody);
+        }
         let (sin, cos) = at.attack.sin_cos();
         let [y, z] = [at.point.y, at.point.z];
         let [along, across] = [y * cos + z * sin, z * cos - y * sin];

@@ -5,11 +5,12 @@
 //! resolution; [`Stock::sweep_error`] says what came of it.
 
 use super::dexels::Stock;
-use super::layout::{At, Kind};
+use super::layout::{At, Kind, TILT};
 use super::over_table::TableBite;
 use super::places::Places;
 use super::row::Cut;
 use super::stripe::{Bite, STRIPE, Stripe};
+use super::under_leaning_mill::LeaningMillBite;
 use super::under_mill::MillBite;
 use super::under_wheel::WheelBite;
 use super::{Stance, StockError};
@@ -79,7 +80,9 @@ impl Stock {
         cutter: &Cutter,
         sweep: &Sweep,
     ) -> Result<f64, StockError> {
-        let reach = cutter.reach().x;
+        // A tool that leans may reach as far along the part as it is long.
+        let leans = self.layout.lean.abs() > TILT;
+        let reach = if leans { f64::INFINITY } else { cutter.reach().x };
         let [from, to] =
             [&sweep.from, &sweep.to].map(|values| self.layout.locate(&Stance::at(machine, values)));
         let x = [from?.point.x, to?.point.x];
@@ -143,6 +146,11 @@ impl Stock {
         match (self.layout.kind, *cutter) {
             (Kind::Turned, Cutter::Wheel(wheel)) => {
                 let bites = steps.map(|(at, i, e)| WheelBite::new(wheel, &at[1], i, e));
+                self.bite(&bites.collect::<Vec<_>>(), cuts);
+            }
+            (Kind::Turned, Cutter::Mill(mill)) if self.layout.lean.abs() > TILT => {
+                let top = self.layout.top;
+                let bites = steps.map(|(at, i, e)| LeaningMillBite::new(mill, &at[1], top, i, e));
                 self.bite(&bites.collect::<Vec<_>>(), cuts);
             }
             (Kind::Turned, Cutter::Mill(mill)) => {

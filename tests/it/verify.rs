@@ -29,13 +29,12 @@ fn wheel() -> Tool {
 
 /// What `program` makes of a block around `part`.
 fn verified(part: &TriMesh, program: &Program, block: RawBlock, resolution: f64) -> Verified {
-    verified_on("last-lathe", &wheel(), part, program, block, resolution)
+    verified_on(("last-lathe", &wheel()), part, program, block, resolution)
 }
 
 /// The same on any machine with any tool.
-fn verified_on(
-    machine: &str,
-    tool: &Tool,
+pub(crate) fn verified_on(
+    (machine, tool): (&str, &Tool),
     part: &TriMesh,
     program: &Program,
     block: RawBlock,
@@ -142,7 +141,7 @@ fn a_spindle_too_thick_for_its_wheel_collides_as_deep_as_the_stock_stands_then()
         };
         let tool = Tool { body: Some(body), length: 45.0, ..wheel() };
         let block = RawBlock::Grown(1.0);
-        verified_on("last-lathe", &tool, &round_bar(), &program, block, 1.0).report
+        verified_on(("last-lathe", &tool), &round_bar(), &program, block, 1.0).report
     };
     // Towards the toe it runs ahead of the wheel, over what is not cut yet; the other way behind it.
     for (side, depth) in [(Side::Toe, 6.0), (Side::Heel, 5.0)] {
@@ -159,30 +158,6 @@ fn a_spindle_too_thick_for_its_wheel_collides_as_deep_as_the_stock_stands_then()
     // Without a word on its body nothing is looked at, and the report says of what.
     let found = verified(&round_bar(), &program, RawBlock::Grown(1.0), 1.0).report.simulation;
     assert_eq!((found.n_collisions, found.bodies.unknown), (0, vec![wheel().name]));
-}
-
-#[test]
-fn a_part_indexed_on_a_tilted_table_is_simulated_as_the_tool_sees_it() {
-    let aabb = Aabb { min: Point3::new(-20.0, -15.0, 0.0), max: Point3::new(20.0, 15.0, 30.0) };
-    let part = shapes::cuboid(&aabb);
-    let options = CamOptions {
-        tool: Some("ball-10".into()),
-        pitch: Some(2.0),
-        hold: vec!["A=30".into(), "C=45".into()],
-        tolerance: Some(0.01),
-        ..Default::default()
-    };
-    let plan = cut(&part, "mill-5axis", &options);
-    let mill = Machine::builtin("mill-5axis").unwrap();
-    let program = program_of(&plan, &mill);
-    let ball = ToolLibrary::builtin().find("ball-10").unwrap();
-    let found = verified_on("mill-5axis", &ball, &part, &program, RawBlock::Grown(1.0), 0.5).report;
-    assert!(found.is_clean(), "{:?}", found.faults);
-    // Flat sides that lean are left with the ridges of a ball of 5 mm at 2 mm and a steep pitch.
-    let left = found.deviation.left_by_path.unwrap().value;
-    assert!(left < 0.5, "{left}");
-    let depth = found.simulation.greatest_depth.unwrap().value;
-    assert!((1.0..4.0).contains(&depth), "{depth}");
 }
 
 #[test]
@@ -242,30 +217,6 @@ fn what_a_wheel_is_too_large_for_is_told_from_what_it_passed_by() {
     assert!((by_tool.at[0] - 66.5).abs() < 2.0, "{by_tool:?}");
     assert!((by_path.value - 0.4).abs() < 0.05, "{by_path:?}");
     assert!((95.0..105.0).contains(&by_path.at[0]), "{by_path:?}");
-}
-
-#[test]
-fn a_tilted_part_is_refused_by_name() {
-    let mill = Machine::builtin("mill-5axis").unwrap();
-    let text = "G21 G90 G94\nG0 Z90\nG0 X0 Y0 A0 C0\nG1 Z60 F100\nG1 A20\nM30\n";
-    let program = read(&mut text.as_bytes(), &mill, &linuxcnc()).unwrap();
-    let job = VerifyJob {
-        program_name: "tilt".into(),
-        program: &program,
-        part_name: "cube".into(),
-        surface: Surface::Mesh(shapes::cuboid(&Aabb {
-            min: Point3::new(-10.0, -10.0, 0.0),
-            max: Point3::new(10.0, 10.0, 20.0),
-        })),
-        notes: Vec::new(),
-        machine: &mill,
-        tools: vec![ToolLibrary::builtin().find("ball-10").unwrap()],
-        setup: &CamOptions::default(),
-        block: RawBlock::Body(Block::Box { margin: 1.0 }),
-        options: &VerifyOptions { resolution: Some(1.0), tolerance: None },
-    };
-    let message = verify(job, &Silent).unwrap_err().to_string();
-    assert!(message.contains("20.000 degrees off"), "{message}");
 }
 
 #[test]
@@ -376,6 +327,6 @@ fn what_is_left_of_a_foot_is_explained() {
     assert!(deviation.left_by_tool.unwrap().value > 0.9 * deviation.left.unwrap().value);
 }
 
-fn linuxcnc() -> Dialect {
+pub(crate) fn linuxcnc() -> Dialect {
     Dialect::named("linuxcnc").unwrap()
 }

@@ -77,7 +77,9 @@ impl Watch<'_> {
         }
         if let [piece] = pieces {
             let hits = self.hits_of(&self.stock.crests(), piece)?;
-            hits.into_iter().for_each(|hit| self.keep(hit));
+            for hit in hits {
+                self.keep(hit);
+            }
             return self.remove(pieces);
         }
         let (first, second) = pieces.split_at(pieces.len() / 2);

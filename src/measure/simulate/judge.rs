@@ -37,7 +37,7 @@ impl<'a> Judge<'a> {
     /// Cuts, and judges what came of it.
     pub(super) fn run(
         &mut self,
-        batch: Batch,
+        batch: &Batch,
         progress: &dyn Progress,
     ) -> Result<(), SimulateError> {
         let cutter = batch.tool.profile.cutter(0.0);
@@ -98,7 +98,8 @@ impl<'a> Judge<'a> {
         let report = &mut self.report;
         report.removed += cut.removed;
         report.n_overhanging += usize::from(cut.n_overhangs > 0);
-        if cut.is_through {
+        // The free end of what stands on a turntable may be faced; into the part it is a gouge.
+        if cut.is_through && !self.stock.layout().is_on_turntable() {
             let is_turned = self.stock.layout().is_turned();
             let kind =
                 if is_turned { CollisionKind::AcrossAxis } else { CollisionKind::BelowBlock };

@@ -79,7 +79,7 @@ pub fn simulate(
     progress.start("simulating", steps().count() as u64);
     let mut judge = Judge::new(machine, stock);
     judge.report.n_moves = steps().filter(|step| step.kind != StepKind::Dwell).count();
-    for_each_batch(program, machine, tools, |batch| judge.run(batch, progress))?;
+    for_each_batch(program, machine, tools, |batch| judge.run(&batch, progress))?;
     Ok(judge.finish())
 }
 

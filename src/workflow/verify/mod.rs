@@ -5,10 +5,11 @@ mod header;
 mod options;
 
 pub use block::RawBlock;
+use block::Rays;
 pub use header::{Asked, HeaderError, asked};
 pub use options::VerifyOptions;
 
-use crate::cam::{BlockError, Part, SetupError, set_up};
+use crate::cam::{BlockError, Part, Setup, SetupError, TurnLine, set_up};
 use crate::gcode::{BlockKind, Program, StepKind};
 use crate::geom::Surface;
 use crate::machine::{AxisValues, Machine, MachineError};
@@ -127,13 +128,19 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
     }
     let mesh = job.surface.into_mesh().ok_or(VerifyError::NoTriangles)?;
     let setup = set_up(Surface::Mesh(mesh), job.machine, &job.setup.setup()?)?;
-    let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let first = first_cut(job.program, job.machine).ok_or(VerifyError::NoMoves)?;
+    let turner = turntable(job.program, job.machine, &first);
     let resolution = Resolution::even(job.options.resolution());
-    let block = || job.block.stock(&setup, job.machine, &first, resolution);
+    let rays = Rays { values: &first, turner, resolution };
+    let block = || job.block.stock(&setup, job.machine, &rays);
     let stock = block()?;
+    let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let simulated = simulate(job.program, job.machine, &job.tools, stock, progress)?;
-    let part = Part::triangles(mesh);
+    let part = match turner {
+        Some(axis) => above_table(setup.clone(), job.machine, axis, &job.tools, &simulated.stock)
+            .ok_or(VerifyError::NoTriangles)?,
+        None => Part::triangles(mesh),
+    };
     let target = Target { mesh, n_own: setup.n_own, part: &part };
     let tool = last_tool(job.program, &job.tools).ok_or(SimulateError::NoTools)?;
     let cutter = tool.profile.cutter(0.0);
@@ -194,6 +201,30 @@ impl VerifyReport {
 fn first_cut(program: &Program, machine: &Machine) -> Option<AxisValues> {
     let mut feeds = program.steps(machine).filter(|step| step.kind == StepKind::Feed);
     feeds.next().map(|step| step.to.map(Option::unwrap_or_default))
+}
+
+/// The axis of a table that turns the part while the tool cuts, tilted so that it shows the tool
+/// other sides of it; `None` where a spindle does, or nothing.
+fn turntable(program: &Program, machine: &Machine, first: &AxisValues) -> Option<usize> {
+    if machine.spindle.is_some() {
+        return None;
+    }
+    let TurnLine { axis, .. } = TurnLine::of(machine, first).ok()?;
+    let mut feeds = program.steps(machine).filter(|step| step.kind == StepKind::Feed);
+    feeds.any(|step| step.from[axis] != step.to[axis]).then_some(axis)
+}
+
+/// What tools can come down on: the part and the table that turns it, which is no part of the stock.
+fn above_table(
+    mut setup: Setup,
+    machine: &Machine,
+    axis: usize,
+    tools: &[Tool],
+    stock: &Stock,
+) -> Option<Part> {
+    let widest = tools.iter().map(|tool| tool.profile.cutter(0.0).reach().x).fold(0.0, f64::max);
+    setup.add_table(&machine.axes[axis].point, stock.layout().reach() + 2.0 * widest);
+    setup.surface.into_mesh().map(|mesh| Part::triangles(&mesh))
 }
 
 /// The tool that cuts last, and so the one whose marks are left.

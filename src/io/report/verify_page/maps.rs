@@ -79,8 +79,12 @@ fn laid_flat(verified: &Verified, full: f64) -> std::io::Result<Picture> {
     let is_turned = layout.is_turned();
     let [x, across] = layout.extent();
     let (y, labels) = if is_turned {
-        let labels = Labels { x: "X along the spindle [mm]", y: "angle about it [deg]" };
-        (across.map(f64::to_degrees), labels)
+        let x = if layout.is_on_turntable() {
+            "along the table's axis [mm]"
+        } else {
+            "X along the spindle [mm]"
+        };
+        (across.map(f64::to_degrees), Labels { x, y: "angle about it [deg]" })
     } else {
         // Across the attack axis rows run against Y.
         ([-across[1], -across[0]], Labels { x: "X as the tool sees it [mm]", y: "Y [mm]" })
@@ -88,7 +92,11 @@ fn laid_flat(verified: &Verified, full: f64) -> std::io::Result<Picture> {
     let n_columns = layout.n_columns();
     let (cells, values) = worst_of(&verified.deviation, [layout.n_rows(), n_columns], is_turned);
     let grid = Grid { n_columns: cells, values, x, y };
-    let title = if is_turned { "Unrolled about the spindle." } else { "Seen along the tool." };
+    let title = match (is_turned, layout.is_on_turntable()) {
+        (true, false) => "Unrolled about the spindle.",
+        (true, true) => "Unrolled about the table's axis.",
+        _ => "Seen along the tool.",
+    };
     Ok(Picture {
         title: title.to_owned(),
         caption:
