@@ -22,7 +22,7 @@ const DEPTH: f64 = 8.0;
 /// What it leaves for finishing, ridges included [mm].
 const LEFT: f64 = 1.5;
 /// How finely the last is cut in simulation [mm].
-const RESOLUTION: f64 = 0.5;
+const RESOLUTION: f64 = 0.75;
 
 /// Make a last and the program that cuts it: no files needed.
 #[derive(Debug, Args)]
