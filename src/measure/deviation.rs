@@ -85,6 +85,9 @@ pub struct Spot {
     pub value: f64,
     /// Where, in the part's frame on the machine.
     pub at: [f64; 3],
+    /// The line of the program that cut there last, where somebody looked for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<u32>,
 }
 
 /// How much of the surface lies within a distance.
@@ -105,6 +108,14 @@ pub struct Bin {
     pub distance: f64,
     /// The surface in it.
     pub area: f64,
+}
+
+impl DeviationReport {
+    /// The places cut too deep, by more than `tolerance`.
+    pub fn faults(&mut self, tolerance: f64) -> impl Iterator<Item = &mut Spot> {
+        let spots = [&mut self.gouge, &mut self.clamp_gouge];
+        spots.into_iter().flatten().filter(move |spot| spot.value > tolerance)
+    }
 }
 
 /// What one ray has to say.
@@ -266,7 +277,7 @@ impl Sums {
 
 fn keep(spot: &mut Option<Spot>, value: f64, at: &Point3) {
     if value > spot.map_or(0.0, |found| found.value) {
-        *spot = Some(Spot { value, at: at.coords.into() });
+        *spot = Some(Spot { value, at: at.coords.into(), line: None });
     }
 }
 

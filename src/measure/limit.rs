@@ -26,7 +26,9 @@ pub fn limit(
     let layout = stock.layout();
     let reach = cutter.reach();
     let [x, across] = layout.extent();
-    let x = [x[0] - reach.x, x[1] + reach.x];
+    // A tool that leans stands over the axis before or behind where it touches.
+    let lead = layout.lead();
+    let x = [x[0] - reach.x - lead.max(0.0), x[1] + reach.x - lead.min(0.0)];
     let [mut step, mut turn] = steps(stock, cutter);
     let many = (x[1] - x[0]) / step * ((across[1] - across[0]) / turn) / MOST_PLACES;
     if many > 1.0 {

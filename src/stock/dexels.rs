@@ -110,7 +110,8 @@ impl Stock {
     }
 
     /// The rows of `range` as a stock of their own, to try things on; X stays as it is.
-    pub(super) fn excerpt(&self, range: std::ops::Range<usize>) -> Self {
+    #[must_use]
+    pub fn excerpt(&self, range: std::ops::Range<usize>) -> Self {
         let n = self.layout.n_columns;
         let mut layout = self.layout.clone();
         layout.along[0] = self.layout.row_x(range.start);

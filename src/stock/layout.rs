@@ -1,19 +1,15 @@
 //! Where the dexels of a stock stand.
 
 use super::{Stance, StockError};
-use crate::geom::{Aabb, Point3, Pose, Vector3};
-use crate::machine::{AxisValues, Machine};
+use crate::geom::{Point3, Pose, Vector3};
 use nalgebra::{Translation3, UnitQuaternion};
-use std::f64::consts::TAU;
 
 /// Columns that share one upper bound; see [`Row`](super::row::Row).
 pub(super) const TILE: usize = 16;
 /// Tiles looked at together.
 pub(super) const GROUP: usize = 8;
-/// More dexels than this are refused: 500 MB with all that belongs to them.
-const MOST_DEXELS: f64 = 2.5e7;
 /// A direction this far off is another one: rounding of a turned unit vector.
-const TILT: f64 = 1e-7;
+pub(super) const TILT: f64 = 1e-7;
 
 /// How far apart dexels stand.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -40,6 +36,10 @@ pub struct Layout {
     /// Nothing of a block within the layout lies farther out than this [mm].
     pub(super) top: f64,
     pub(super) rays_from_part: Pose,
+    /// The axis that turns the part, where that is not the machine's spindle.
+    pub(super) turner: Option<usize>,
+    /// The angle by which tools lean towards X, as they attack [rad]; 0 on a table.
+    pub(super) lean: f64,
     /// Cosine and sine of each column's angle; empty on a table.
     pub(super) turns: [Vec<f64>; 2],
     /// Those of the first column of each tile, as many as whole groups of tiles need and one more.
@@ -59,8 +59,10 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct At {
     pub(super) point: Point3,
-    /// The attack direction, square to X; along the rays on a table.
+    /// Unit vector of the attack direction, seen along X; along the rays on a table.
     pub(super) attack: [f64; 2],
+    /// By which it leans towards X [rad]; 0 on a table.
+    pub(super) lean: f64,
 }
 
 impl Resolution {
@@ -80,113 +82,6 @@ impl At {
 }
 
 impl Layout {
-    /// Rays through all of `block`, a box in the part's frame, for `machine` with its rotary axes as
-    /// in `values` (which matters on a table only).
-    pub fn new(
-        machine: &Machine,
-        values: &AxisValues,
-        block: &Aabb,
-        resolution: Resolution,
-    ) -> Result<Self, StockError> {
-        Self::check(block, resolution)?;
-        match machine.spindle {
-            Some(spindle) => {
-                let axis = &machine.axes[spindle].point;
-                let out = |corner: Point3| (corner.y - axis.y).hypot(corner.z - axis.z);
-                let radius = corners(block).map(out).into_iter().fold(0.0, f64::max);
-                Self::turned(axis, [block.min.x, block.max.x], radius, resolution)
-            }
-            None => Self::on_table(machine, values, block, resolution),
-        }
-    }
-
-    /// Rays through a round block about the spindle axis of `machine`, from `x[0]` to `x[1]`; `None`
-    /// on a machine without a spindle.
-    pub fn round(
-        machine: &Machine,
-        x: [f64; 2],
-        radius: f64,
-        resolution: Resolution,
-    ) -> Option<Result<Self, StockError>> {
-        let axis = &machine.axes[machine.spindle?].point;
-        let block = Aabb {
-            min: Point3::new(x[0], axis.y - radius, axis.z - radius),
-            max: Point3::new(x[1], axis.y + radius, axis.z + radius),
-        };
-        let checked = Self::check(&block, resolution);
-        Some(checked.and_then(|()| Self::turned(axis, x, radius, resolution)))
-    }
-
-    fn check(block: &Aabb, resolution: Resolution) -> Result<(), StockError> {
-        for value in [resolution.along, resolution.across] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(StockError::Resolution { value });
-            }
-        }
-        let size = block.size();
-        if block.is_empty() || !size.iter().all(|side| side.is_finite()) || size.min() <= 0.0 {
-            return Err(StockError::Empty);
-        }
-        Ok(())
-    }
-
-    fn turned(
-        axis: &Point3,
-        [from, to]: [f64; 2],
-        top: f64,
-        resolution: Resolution,
-    ) -> Result<Self, StockError> {
-        let n_columns = (TAU * top / resolution.across).ceil().max(1.0);
-        let n_rows = rows(from, to, resolution.along);
-        fits(n_rows * n_columns, resolution)?;
-        let n_columns = (n_columns as usize).next_multiple_of(TILE);
-        let step = TAU / n_columns as f64;
-        let (sin, cos): (Vec<f64>, Vec<f64>) =
-            (0..n_columns).map(|column| (step * column as f64).sin_cos()).unzip();
-        let n_edges = (n_columns / TILE).next_multiple_of(GROUP) + 1;
-        let edges = [&cos, &sin]
-            .map(|turns| (0..n_edges).map(|tile| turns[tile * TILE % n_columns]).collect());
-        Ok(Self {
-            kind: Kind::Turned,
-            along: [from, (to - from) / (n_rows - 1.0)],
-            n_rows: n_rows as usize,
-            across: [0.0, step],
-            n_columns,
-            floor: 0.0,
-            top,
-            rays_from_part: Pose::translation(0.0, -axis.y, -axis.z),
-            turns: [cos, sin],
-            edges,
-        })
-    }
-
-    fn on_table(
-        machine: &Machine,
-        values: &AxisValues,
-        block: &Aabb,
-        resolution: Resolution,
-    ) -> Result<Self, StockError> {
-        let turn = UnitQuaternion::from_rotation_matrix(&machine.attack_from_machine())
-            * machine.machine_from_part(values).rotation;
-        let rays_from_part = Pose::from_parts(Translation3::identity(), turn);
-        let seen = Aabb::around(&corners(block).map(|corner| rays_from_part * corner));
-        let n_rows = rows(seen.min.x, seen.max.x, resolution.along);
-        let n_columns = rows(seen.min.z, seen.max.z, resolution.across);
-        fits(n_rows * n_columns, resolution)?;
-        Ok(Self {
-            kind: Kind::Table,
-            along: [seen.min.x, (seen.max.x - seen.min.x) / (n_rows - 1.0)],
-            n_rows: n_rows as usize,
-            across: [seen.min.z, (seen.max.z - seen.min.z) / (n_columns - 1.0)],
-            n_columns: n_columns as usize,
-            floor: seen.min.y,
-            top: seen.max.y,
-            rays_from_part,
-            turns: [Vec::new(), Vec::new()],
-            edges: [Vec::new(), Vec::new()],
-        })
-    }
-
     /// How many rows there are along X.
     pub fn n_rows(&self) -> usize {
         self.n_rows
@@ -205,6 +100,17 @@ impl Layout {
     /// From the bounds of a row's tiles to those of the next: whole groups.
     pub(super) fn tile_stride(&self) -> usize {
         self.n_tiles().next_multiple_of(GROUP)
+    }
+
+    /// True if the rays leave the axis of a table that turns, and not that of a spindle.
+    pub fn is_on_turntable(&self) -> bool {
+        self.turner.is_some()
+    }
+
+    /// How much earlier or later along X than at the axis a tool over it meets what lies farthest out
+    /// [mm].
+    pub fn lead(&self) -> f64 {
+        self.top * self.lean.tan()
     }
 
     /// True if the rays leave a spindle axis, false if they stand on a table.
@@ -238,13 +144,32 @@ impl Layout {
         self.rays_from_part.inverse_transform_point(&seen)
     }
 
+    /// The row and column of the ray nearest to a point of the part's frame; `None` beyond them all.
+    pub fn ray_near(&self, point: &Point3) -> Option<[usize; 2]> {
+        let seen = self.rays_from_part * point;
+        let row = ((seen.x - self.along[0]) / self.along[1]).round();
+        let column = match self.kind {
+            Kind::Turned => seen.z.atan2(seen.y) / self.across[1],
+            Kind::Table => (seen.z - self.across[0]) / self.across[1],
+        };
+        let column = match self.kind {
+            Kind::Turned => column.round().rem_euclid(self.n_columns as f64),
+            Kind::Table => column.round(),
+        };
+        let is_there = (0.0..self.n_rows as f64).contains(&row)
+            && (0.0..self.n_columns as f64).contains(&column);
+        is_there.then_some([row as usize, column as usize])
+    }
+
     /// The stance of a tool that attacks along a ray, its programmed point at `value` on it; X and
-    /// the place across as numbers, not as rows and columns, in the layout's own frame.
+    /// the place across as numbers, not as rows and columns, in the layout's own frame. A tool that
+    /// leans stands at `value` along its own axis, which meets the rays' at `x`.
     pub fn stance(&self, x: f64, across: f64, value: f64) -> Stance {
         let (point, attack) = match self.kind {
             Kind::Turned => {
-                let (sin, cos) = across.sin_cos();
-                (Point3::new(x, value * cos, value * sin), Vector3::new(0.0, cos, sin))
+                let ((sin, cos), (lean, upright)) = (across.sin_cos(), self.lean.sin_cos());
+                let attack = Vector3::new(lean, upright * cos, upright * sin);
+                (Point3::new(x, 0.0, 0.0) + attack * value, attack)
             }
             Kind::Table => (Point3::new(x, value, across), Vector3::y()),
         };
@@ -257,10 +182,13 @@ impl Layout {
     /// The pose digitizing needs to bring a tool down where [`Layout::stance`] puts it.
     pub fn attack_from_part(&self, x: f64, across: f64) -> Pose {
         let here = match self.kind {
-            Kind::Turned => Pose::from_parts(
-                Translation3::new(-x, 0.0, 0.0),
-                UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -across),
-            ),
+            Kind::Turned => {
+                Pose::from_parts(
+                    Translation3::identity(),
+                    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.lean)
+                        * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -across),
+                ) * Pose::translation(-x, 0.0, 0.0)
+            }
             Kind::Table => Pose::translation(-x, 0.0, -across),
         };
         here * self.rays_from_part
@@ -286,13 +214,14 @@ impl Layout {
         let point = self.rays_from_part * stance.point;
         let attack = self.rays_from_part * stance.attack;
         let off = match self.kind {
-            Kind::Turned => attack.x.abs().asin(),
+            Kind::Turned => (attack.x.clamp(-1.0, 1.0).asin() - self.lean).abs(),
             Kind::Table => attack.angle(&Vector3::y()),
         };
         if off > TILT {
             return Err(StockError::Tilted { angle_deg: off.to_degrees() });
         }
-        Ok(At { point, attack: [attack.y, attack.z] })
+        let length = attack.y.hypot(attack.z);
+        Ok(At { point, attack: [attack.y / length, attack.z / length], lean: self.lean })
     }
 
     /// The number of columns, to count backwards with; there are far fewer than would not fit.
@@ -329,30 +258,11 @@ impl Layout {
     }
 }
 
-fn corners(block: &Aabb) -> [Point3; 8] {
-    std::array::from_fn(|i| {
-        let pick = |bit: usize, k: usize| if i & bit == 0 { block.min[k] } else { block.max[k] };
-        Point3::new(pick(1, 0), pick(2, 1), pick(4, 2))
-    })
-}
-
-/// Rows at both ends and between them, no farther apart than `step`.
-fn rows(from: f64, to: f64, step: f64) -> f64 {
-    // A length that is a whole number of steps, but for rounding, takes no step more.
-    ((to - from) / step - 1e-9).ceil().max(1.0) + 1.0
-}
-
-fn fits(dexels: f64, resolution: Resolution) -> Result<(), StockError> {
-    if dexels <= MOST_DEXELS {
-        return Ok(());
-    }
-    let resolution = resolution.along.min(resolution.across);
-    Err(StockError::TooMany { resolution, dexels, most: MOST_DEXELS })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Aabb;
+    use crate::machine::Machine;
 
     fn block() -> Aabb {
         Aabb { min: Point3::new(0.0, -30.0, -40.0), max: Point3::new(100.0, 30.0, 40.0) }
@@ -378,6 +288,18 @@ mod tests {
         assert!((flat.reach() - 80.0).abs() < 1e-12);
         // Attack x = X, y = Z, z = -Y.
         assert!((flat.point(0, 0, 5.0) - Point3::new(0.0, 30.0, 5.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn the_end_of_a_ray_is_nearest_to_its_own_ray() {
+        for machine in ["last-lathe", "mill-3axis"] {
+            let layout = layout(machine, 3.0).unwrap();
+            for [row, column] in [[0, 0], [7, 3], [layout.n_rows() - 1, layout.n_columns() - 1]] {
+                let point = layout.point(row, column, 12.0);
+                assert_eq!(layout.ray_near(&point), Some([row, column]), "{machine}");
+            }
+            assert_eq!(layout.ray_near(&Point3::new(900.0, 0.0, 0.0)), None);
+        }
     }
 
     #[test]

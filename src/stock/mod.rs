@@ -13,11 +13,14 @@
 //! * a part cut in two: a tool across the spindle axis, or below the block on a table, takes the
 //!   whole ray away and says so ([`Cut::is_through`]).
 //!
-//! A part tilted under the tool between moves needs dexels in three directions; it is refused
-//! ([`StockError::Tilted`]).
+//! A part turned about a table's axis under a tool of constant tilt has rays about that axis
+//! ([`Layout::about`]); the tool leans along it. A part tilted between moves needs dexels in three
+//! directions; it is refused ([`StockError::Tilted`]).
 //!
 //! Dexels after T. Van Hook, *Real-time shaded NC milling display* (1986).
 
+mod arrange;
+mod beside;
 mod body;
 mod dexels;
 mod disc;
@@ -34,9 +37,11 @@ mod stripe;
 mod surface;
 mod trace;
 mod under_ball;
+mod under_leaning_mill;
 mod under_mill;
 mod under_wheel;
 
+pub use beside::Crests;
 pub use dexels::Stock;
 pub use layout::{Layout, Resolution};
 pub use remove::Sweep;
@@ -80,6 +85,12 @@ pub enum StockError {
         /// By how much [deg].
         angle_deg: f64,
     },
+    /// A body that leans.
+    #[error(
+        "what does not cut of a tool that leans is not compared with the stock: leave the body of \
+         the tool out of its library for a part turned on a tilted table"
+    )]
+    LeaningBody,
     /// A move so long that it would take for ever.
     #[error(
         "one move takes {poses:.1e} places of the tool to follow, more than {most:.0e}: \

@@ -32,7 +32,7 @@ impl Places {
         if layout.kind == Kind::Table {
             return Ok(Self { from, to, n_steps: 1, error: 0.0 });
         }
-        let turn = machine.spindle.map_or(0.0, |spindle| {
+        let turn = layout.turner.or(machine.spindle).map_or(0.0, |spindle| {
             let axis = &machine.axes[spindle];
             axis.motion(sweep.to[spindle]) - axis.motion(sweep.from[spindle])
         });
@@ -107,7 +107,10 @@ impl Gaps {
     fn is_clear(&self, layout: &Layout, cutter: &Cutter) -> bool {
         match cutter {
             Cutter::Wheel(wheel) => self.distance[0] - wheel.major - wheel.minor >= layout.top,
-            Cutter::Mill(_) => self.lowest - cutter.reach().top >= layout.top,
+            Cutter::Mill(_) => {
+                self.lowest - cutter.reach().top - cutter.reach().x * layout.lean.sin().abs()
+                    >= layout.top
+            }
         }
     }
 

@@ -5,7 +5,7 @@
 //! resolution; [`Stock::sweep_error`] says what came of it.
 
 use super::dexels::Stock;
-use super::layout::{At, Kind};
+use super::layout::{At, Kind, TILT};
 use super::over_table::TableBite;
 use super::places::Places;
 use super::row::Cut;
@@ -14,6 +14,7 @@ use super::strip::Flat;
 use super::stripe::{Bite, STRIPE, Stripe};
 use super::trace::End;
 use super::under_ball::Ball;
+use super::under_leaning_mill::LeaningMillBite;
 use super::{Stance, StockError};
 use crate::machine::{AxisValues, Machine};
 use crate::progress::Progress;
@@ -81,7 +82,9 @@ impl Stock {
         cutter: &Cutter,
         sweep: &Sweep,
     ) -> Result<f64, StockError> {
-        let reach = cutter.reach().x;
+        // A tool that leans may reach as far along the part as it is long.
+        let leans = self.layout.lean.abs() > TILT;
+        let reach = if leans { f64::INFINITY } else { cutter.reach().x };
         let [from, to] =
             [&sweep.from, &sweep.to].map(|values| self.layout.locate(&Stance::at(machine, values)));
         let x = [from?.point.x, to?.point.x];
@@ -144,6 +147,11 @@ impl Stock {
     ) {
         match (self.layout.kind, *cutter) {
             (Kind::Turned, Cutter::Wheel(wheel)) => self.turn(wheel, steps, cuts),
+            (Kind::Turned, Cutter::Mill(mill)) if self.layout.lean.abs() > TILT => {
+                let top = self.layout.top;
+                let bites = steps.map(|(at, i, e)| LeaningMillBite::new(mill, &at[1], top, i, e));
+                self.bite(&bites.collect::<Vec<_>>(), cuts);
+            }
             (Kind::Turned, Cutter::Mill(mill)) => match end_of(&mill) {
                 Some(End::Ball { radius, centre }) => {
                     self.turn(Ball { radius, centre }, steps, cuts);

@@ -1,6 +1,6 @@
 //! Why a tool cannot be used.
 
-use super::{Place, Shape};
+use super::{BodyError, Place, Shape};
 
 /// Why a tool, or a library of tools, cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -54,6 +54,9 @@ pub enum ToolError {
         /// What is possible.
         rule: &'static str,
     },
+    /// What does not cut cannot be.
+    #[error(transparent)]
+    Body(#[from] BodyError),
     /// A name that could not be told from a number, a shape or a path.
     #[error(
         "{name:?} cannot be the name of a tool: use letters, digits, - and _, beginning with a letter"

@@ -1,6 +1,6 @@
 //! The tool library: a TOML file that lists cutters, and looking one up in it.
 
-use super::{Place, Profile, Shape, Tool, ToolError, Turns, nearest, printable};
+use super::{Body, Place, Profile, Shape, Tool, ToolError, Turns, nearest, printable};
 use std::collections::HashSet;
 use std::ops::Range;
 use toml::Spanned;
@@ -88,6 +88,7 @@ struct ToolFile {
     turns: Turns,
     feed_mm_per_s: Spanned<f64>,
     plunge_feed_mm_per_s: Spanned<f64>,
+    body: Option<Spanned<Body>>,
 }
 
 impl ToolFile {
@@ -159,7 +160,15 @@ fn tool(file: &ToolFile) -> Result<Tool, Flaw> {
         turns: file.turns,
         feed: positive("feed-mm-per-s", &file.feed_mm_per_s)?,
         plunge_feed: positive("plunge-feed-mm-per-s", &file.plunge_feed_mm_per_s)?,
+        body: body(file)?,
     })
+}
+
+fn body(file: &ToolFile) -> Result<Option<Body>, Flaw> {
+    let Some(given) = &file.body else { return Ok(None) };
+    let checked = given.get_ref().check(*file.shape.get_ref(), *file.length.get_ref());
+    checked.map_err(|problem| flaw(given, problem.into()))?;
+    Ok(Some(*given.get_ref()))
 }
 
 fn profile(file: &ToolFile) -> Result<Profile, Flaw> {
@@ -241,11 +250,32 @@ plunge-feed-mm-per-s = 10
             turns: Turns::CounterClockwise,
             feed: 40.0,
             plunge_feed: 10.0,
+            body: None,
         };
         for wanted in ["ball-6", "7", "T7"] {
             assert_eq!(library.find(wanted).unwrap(), ball);
         }
         assert_eq!(library.find("ball:5").unwrap().profile, Profile::Ball { radius: 5.0 });
+    }
+
+    #[test]
+    fn a_body_is_read_and_refused_where_it_stands() {
+        let with = |body: &str| format!("{BALL}body = {{ {body} }}\n");
+        let text =
+            with("shank-diameter = 6, flute-length = 13, stick-out = 30, holder-diameter = 32");
+        let library = ToolLibrary::parse(&text, "shop.toml").unwrap();
+        let body = library.tools[0].body.unwrap();
+        assert_eq!((body.shank_diameter, body.stick_out), (Some(6.0), Some(30.0)));
+        let message = |body: &str| {
+            let error = ToolLibrary::parse(&with(body), "shop.toml").unwrap_err().to_string();
+            error.lines().next().unwrap().to_owned()
+        };
+        assert_eq!(
+            message("shank-diameter = 6"),
+            "shop.toml:11:8: shank-diameter says where something is only together with \
+             flute-length; give both or none"
+        );
+        assert!(message("shanks = 6").starts_with("shop.toml:11:10: unknown field `shanks`"));
     }
 
     #[test]

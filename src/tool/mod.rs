@@ -1,5 +1,6 @@
 //! Tools: convex profiles of revolution and what is known of the cutter around them.
 
+mod body;
 mod check;
 mod cutter;
 mod degrees;
@@ -13,6 +14,7 @@ mod shape;
 mod shorthand;
 mod wheel;
 
+pub use body::{Axle, Body, BodyError, BodyPart, Cylinder, Side};
 pub use cutter::Cutter;
 pub use error::ToolError;
 pub(crate) use error::{hint, nearest};
@@ -44,6 +46,8 @@ pub struct Tool {
     pub feed: f64,
     /// Feed of a plunge into the material [mm/s].
     pub plunge_feed: f64,
+    /// What of it does not cut, if its library says so.
+    pub body: Option<Body>,
 }
 
 /// Which way a cutter's spindle turns.

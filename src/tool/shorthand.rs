@@ -15,7 +15,7 @@ impl Tool {
     ///
     /// What the shape does not say are careful defaults, to be replaced by a library entry: T99,
     /// length 50 mm, clockwise; a wheel 6,000 rpm, feed 150 mm/s, plunge 15 mm/s; an end mill
-    /// 12,000 rpm, feed 30 mm/s, plunge 8 mm/s.
+    /// 12,000 rpm, feed 30 mm/s, plunge 8 mm/s. Nothing is known of what does not cut.
     pub fn from_shorthand(text: &str) -> Result<Self, ToolError> {
         let profile = profile(text)?;
         profile.check().map_err(|error| refuse(text, error.to_string()))?;
@@ -32,6 +32,7 @@ impl Tool {
             turns: Turns::Clockwise,
             feed,
             plunge_feed,
+            body: None,
         })
     }
 }

@@ -126,10 +126,12 @@ fn the_demo_ends_well_and_its_program_can_be_checked_and_taken_up_again() {
         ["ngc", "report.html", "report.json"].map(|extension| format!("{name}.{extension}"))
     });
     let mut expected = programs.concat();
-    expected.extend(["last.stl", "last.verify.html", "last.verify.json"].map(String::from));
+    expected.push("last.stl".into());
     expected.sort_unstable();
     assert_eq!(names, expected);
     refused(&horma(&demo), 73, &["exists already"]);
+    let page = std::fs::read_to_string(folder.join("last.report.html")).unwrap();
+    assert!(page.contains("Cut in simulation") && page.contains("Unrolled about the spindle."));
 
     let told = horma(&["check", text(&program), "-m", LATHE]);
     assert_eq!(told.status.code(), Some(0), "{}", said(&told));

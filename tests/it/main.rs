@@ -40,3 +40,4 @@ mod source;
 mod stock;
 mod textbook;
 mod verify;
+mod verify_tables;

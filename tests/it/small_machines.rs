@@ -48,6 +48,7 @@ pub(crate) fn wheel() -> Tool {
         turns: Turns::CounterClockwise,
         feed: 50.0,
         plunge_feed: 20.0,
+        body: None,
     }
 }
 

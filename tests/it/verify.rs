@@ -12,7 +12,7 @@ use horma::machine::Machine;
 use horma::measure::{CollisionKind, simulate};
 use horma::progress::Silent;
 use horma::stock::{Layout, Resolution, Stock};
-use horma::tool::{Tool, ToolLibrary};
+use horma::tool::{Body, BodyPart, Side, Tool, ToolLibrary};
 use horma::workflow::cam::CamOptions;
 use horma::workflow::verify::{RawBlock, Verified, VerifyJob, VerifyOptions, asked, verify};
 use serde_json::Value;
@@ -29,7 +29,18 @@ fn wheel() -> Tool {
 
 /// What `program` makes of a block around `part`.
 fn verified(part: &TriMesh, program: &Program, block: RawBlock, resolution: f64) -> Verified {
-    let machine = lathe();
+    verified_on(("last-lathe", &wheel()), part, program, block, resolution)
+}
+
+/// The same on any machine with any tool.
+pub(crate) fn verified_on(
+    (machine, tool): (&str, &Tool),
+    part: &TriMesh,
+    program: &Program,
+    block: RawBlock,
+    resolution: f64,
+) -> Verified {
+    let machine = Machine::builtin(machine).unwrap();
     let head = asked(program).unwrap();
     let options = VerifyOptions { resolution: Some(resolution), tolerance: None };
     let job = VerifyJob {
@@ -39,7 +50,7 @@ fn verified(part: &TriMesh, program: &Program, block: RawBlock, resolution: f64)
         surface: Surface::Mesh(part.clone()),
         notes: Vec::new(),
         machine: &machine,
-        tools: vec![wheel()],
+        tools: vec![tool.clone()],
         setup: &head.options.unwrap_or_default(),
         block,
         options: &options,
@@ -93,6 +104,10 @@ fn a_gouge_is_caught_to_a_hundredth_where_it_is() {
     let gouge = found.deviation.gouge.unwrap();
     assert!((gouge.value - 0.37).abs() < 0.01, "{gouge:?}");
     assert!((gouge.at[0] - 73.0).abs() <= 0.25, "{gouge:?}");
+    // Four lines, then 37 to a ring.
+    let ring = 5 + 37 * 73;
+    assert!((ring..=ring + 37).contains(&gouge.line.unwrap()), "{gouge:?}");
+    assert!(found.faults[0].contains(&format!(", by line {}", gouge.line.unwrap())));
     // The groove of a nose of radius 10, 0.37 deep, is 5.4 mm wide.
     assert!(
         (found.deviation.gouged_area / 942.0 - 1.0).abs() < 0.15,
@@ -110,6 +125,39 @@ fn a_rapid_through_material_is_a_collision_with_its_line() {
     let [collision] = found.simulation.collisions[..] else { panic!("{:?}", found.faults) };
     assert_eq!((collision.line, collision.kind), (4, CollisionKind::Rapid));
     assert!((collision.depth - 2.0).abs() < 0.02, "{collision:?}");
+}
+
+#[test]
+fn a_spindle_too_thick_for_its_wheel_collides_as_deep_as_the_stock_stands_then() {
+    let program = rings(2.0, |_| 0.0);
+    let with = |side| {
+        // The wheel's centre keeps 100 mm from the axis: a spindle of radius 75 reaches to 25 mm.
+        let body = Body {
+            spindle_side: Some(side),
+            spindle_diameter: Some(150.0),
+            arbor_diameter: Some(60.0),
+            nut_length: Some(30.0),
+            ..Body::default()
+        };
+        let tool = Tool { body: Some(body), length: 45.0, ..wheel() };
+        let block = RawBlock::Grown(1.0);
+        verified_on(("last-lathe", &tool), &round_bar(), &program, block, 1.0).report
+    };
+    // Towards the toe it runs ahead of the wheel, over what is not cut yet; the other way behind it.
+    for (side, depth) in [(Side::Toe, 6.0), (Side::Heel, 5.0)] {
+        let found = with(side).simulation;
+        let deepest = found.collisions.iter().map(|hit| hit.depth).fold(0.0, f64::max);
+        assert!((deepest - depth).abs() < 0.1, "{side:?}: {deepest}");
+        assert!(found.collisions.iter().all(|hit| hit.kind == CollisionKind::Spindle));
+        assert_eq!(found.n_collisions, 100);
+        assert_eq!(found.bodies.stopped_at, Some(found.collisions[99].line));
+        assert_eq!(found.bodies.checked[0].parts, [BodyPart::Arbor, BodyPart::Spindle]);
+    }
+    let found = with(Side::Toe);
+    assert!(found.faults[0].contains("the spindle runs "), "{:?}", found.faults);
+    // Without a word on its body nothing is looked at, and the report says of what.
+    let found = verified(&round_bar(), &program, RawBlock::Grown(1.0), 1.0).report.simulation;
+    assert_eq!((found.n_collisions, found.bodies.unknown), (0, vec![wheel().name]));
 }
 
 #[test]
@@ -172,30 +220,6 @@ fn what_a_wheel_is_too_large_for_is_told_from_what_it_passed_by() {
 }
 
 #[test]
-fn a_tilted_part_is_refused_by_name() {
-    let mill = Machine::builtin("mill-5axis").unwrap();
-    let text = "G21 G90 G94\nG0 Z90\nG0 X0 Y0 A0 C0\nG1 Z60 F100\nG1 A20\nM30\n";
-    let program = read(&mut text.as_bytes(), &mill, &linuxcnc()).unwrap();
-    let job = VerifyJob {
-        program_name: "tilt".into(),
-        program: &program,
-        part_name: "cube".into(),
-        surface: Surface::Mesh(shapes::cuboid(&Aabb {
-            min: Point3::new(-10.0, -10.0, 0.0),
-            max: Point3::new(10.0, 10.0, 20.0),
-        })),
-        notes: Vec::new(),
-        machine: &mill,
-        tools: vec![ToolLibrary::builtin().find("ball-10").unwrap()],
-        setup: &CamOptions::default(),
-        block: RawBlock::Body(Block::Box { margin: 1.0 }),
-        options: &VerifyOptions { resolution: Some(1.0), tolerance: None },
-    };
-    let message = verify(job, &Silent).unwrap_err().to_string();
-    assert!(message.contains("20.000 degrees off"), "{message}");
-}
-
-#[test]
 fn the_command_sets_the_part_up_as_the_header_says_and_its_exit_code_judges() {
     let shop = Folder::new();
     let last = Surface::Mesh(small_last(240.0));
@@ -228,6 +252,57 @@ fn the_command_sets_the_part_up_as_the_header_says_and_its_exit_code_judges() {
     assert!(said(&told).contains("the part needs a block of radius"));
 }
 
+#[test]
+fn a_job_shows_in_its_own_report_what_its_program_leaves() {
+    let shop = Folder::new();
+    let bar = Surface::Mesh(round_bar());
+    write_surface(&shop.path("bar.stl"), &bar, Overwrite::Refuse).unwrap();
+    std::fs::write(shop.path("cloud.xyz"), "0 0 0\n90 0 9\n0 9 0\n").unwrap();
+    let [part, cloud, program] = ["bar.stl", "cloud.xyz", "out.ngc"].map(|name| shop.path(name));
+    let [part, cloud, program] = [&part, &cloud, &program].map(|path| path.to_str().unwrap());
+    let coarse = ["-m", "last-lathe", "--pitch", "4", "--points-per-turn", "60", "--no-pictures"];
+    let cam = [&coarse[..], &["--stock", "1", "--verify=1", "--json", "-o", program]].concat();
+    let told = horma(&[&["cam", part][..], &cam].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    let verified = &report["verified"];
+    assert_eq!(verified["block"], "the part with 1 mm more all over");
+    assert_eq!(verified["simulation"]["n-collisions"], 0);
+    let depth = verified["simulation"]["greatest-depth"]["value"].as_f64().unwrap();
+    // The wheel shaves the ends of the block as well, where they are deep along a ray.
+    assert!((0.9..6.0).contains(&depth), "{depth}");
+    let page = std::fs::read_to_string(shop.path("out.report.html")).unwrap();
+    assert!(page.contains("Cut in simulation") && page.contains("Unrolled about the spindle."));
+    // Roughing is cut from the block it was made for.
+    let rough = ["--force", "--block", "box:3", "--max-depth", "8"];
+    let told = horma(&[&["rough", part][..], &cam, &rough].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert_eq!(report["verified"]["block"], "a box 3 mm larger all around");
+    // Points have no surface, and standard output has no report: told before the work begins.
+    let told = horma(&[&["cam", cloud, "--units", "mm", "--force"][..], &cam].concat());
+    assert_eq!(told.status.code(), Some(65), "{}", said(&told));
+    assert!(said(&told).contains("no surface to compare with"), "{}", said(&told));
+    let told = horma(&[&["cam", part][..], &coarse, &["--verify", "-o", "-"]].concat());
+    assert_eq!(told.status.code(), Some(2), "{}", said(&told));
+    assert!(said(&told).contains("give -o FILE"), "{}", said(&told));
+}
+
+#[test]
+fn a_program_goes_on_with_what_the_one_before_it_left() {
+    let program = |depth: f64| rings(2.0, |_| depth);
+    let bar = RawBlock::Body(Block::Cylinder { radius: Some(34.0) });
+    let rough = verified(&round_bar(), &program(-1.5), bar, 1.0);
+    let left = RawBlock::Left(Box::new(rough.stock));
+    let found = verified(&round_bar(), &program(0.0), left, 1.0).report;
+    assert_eq!(found.block, "what the program before it left");
+    assert_eq!(found.simulation.start_volume, rough.report.simulation.end_volume);
+    // 4 mm of stock less the 2.5 mm roughing took, and the ridges between its rings.
+    let ridge = 10.0 - (100.0_f64 - 1.0).sqrt();
+    let depth = found.simulation.greatest_depth.unwrap().value;
+    assert!((1.5..1.5 + ridge + 0.05).contains(&depth), "{depth}");
+}
+
 fn said(told: &Output) -> String {
     String::from_utf8_lossy(&told.stderr).into_owned()
 }
@@ -252,6 +327,6 @@ fn what_is_left_of_a_foot_is_explained() {
     assert!(deviation.left_by_tool.unwrap().value > 0.9 * deviation.left.unwrap().value);
 }
 
-fn linuxcnc() -> Dialect {
+pub(crate) fn linuxcnc() -> Dialect {
     Dialect::named("linuxcnc").unwrap()
 }

@@ -25,6 +25,11 @@ pub(super) const BEYOND: [u8; 3] = [213, 94, 0];
 pub(super) const SERIES: [&str; 6] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"];
 
+/// Too deep, right, and material left: red, nearly white, blue, as colour-blind eyes see them too.
+const GOUGE: [f64; 3] = [202.0, 0.0, 32.0];
+const RIGHT: [f64; 3] = [238.0, 238.0, 232.0];
+const LEFT: [f64; 3] = [5.0, 80.0, 175.0];
+
 /// The colour of `share` of the way from dark (0) to bright (1); what lies outside is cut to the
 /// ends, and a share that is no number is grey.
 pub fn heat(share: f64) -> [u8; 3] {
@@ -40,9 +45,31 @@ pub fn heat(share: f64) -> [u8; 3] {
     })
 }
 
+/// The colour of a deviation that is `share` of the full scale, -1 to 1: red where too much is gone,
+/// blue where material is left; a share that is no number is grey.
+pub(super) fn signed(share: f64) -> [u8; 3] {
+    if share.is_nan() {
+        return MISSING;
+    }
+    let share = share.clamp(-1.0, 1.0);
+    let end = if share < 0.0 { GOUGE } else { LEFT };
+    [0, 1, 2].map(|k| (RIGHT[k] + (end[k] - RIGHT[k]) * share.abs()).round() as u8)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn red_is_too_deep_blue_is_left_and_grey_is_no_part() {
+        let [r, _, b] = signed(-1.0);
+        assert!(r > 150 && b < 60);
+        let [r, _, b] = signed(1.0);
+        assert!(b > 150 && r < 60);
+        assert_eq!(signed(f64::NAN), MISSING);
+        assert_eq!(signed(0.0), [238, 238, 232]);
+        assert_eq!(signed(-9.0), signed(-1.0));
+    }
 
     #[test]
     fn heat_grows_lighter_all_the_way() {

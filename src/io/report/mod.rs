@@ -1,10 +1,11 @@
 //! What people read after a job: pictures, charts, and one HTML page with everything inside.
 //!
 //! Nothing here touches a file. [`render`] turns a [`Scene`] into pixels, [`line_chart`],
-//! [`histogram`] and [`heat_map`] turn numbers into SVG, and [`html`] turns a [`Page`] into the
+//! [`bar_chart`] and [`heat_map`] turn numbers into SVG, and [`html`] turns a [`Page`] into the
 //! text of a file that needs no other: no script, no font, no address.
 
 mod band;
+mod bars;
 mod cam_page;
 mod chart;
 mod colour;
@@ -18,6 +19,7 @@ mod svg;
 mod ticks;
 mod verify_page;
 
+pub use bars::{Bar, bar_chart};
 pub use cam_page::{cam_page, cam_summary};
 pub use chart::Labels;
 pub use colour::heat;
@@ -26,5 +28,5 @@ pub use page::{Block, Figure, Image, Page, Picture, Section, Table};
 pub use png::encode_png;
 pub use raster::{Raster, render};
 pub use scene::{Camera, Path, Scene, Solid};
-pub use svg::{Grid, Series, heat_map, histogram, line_chart};
-pub use verify_page::{deviation_map, verify_page, verify_summary};
+pub use svg::{Grid, Series, heat_map, line_chart, signed_map};
+pub use verify_page::{deviation_map, verify_page, verify_summary, with_cut};

@@ -1,11 +1,11 @@
-//! Charts as SVG text: lines, histogram, heat map.
+//! Charts as SVG text: lines and maps of colours.
 //!
 //! The charts take their ink from the page they stand on (CSS `currentColor`), so they are legible
 //! in light and dark and need nothing from outside.
 
 use super::Raster;
 use super::chart::{Chart, Labels, PLOT, WIDTH};
-use super::colour::{BEYOND, MISSING, SERIES, heat};
+use super::colour::{BEYOND, MISSING, SERIES, heat, signed};
 use super::ticks::Ticks;
 
 /// More points than twice this many columns are drawn as the range in each column.
@@ -55,46 +55,48 @@ pub fn line_chart(series: &[Series], labels: Labels) -> String {
     svg.finish()
 }
 
-/// How often values fall into each of `n_bins` equal bins from the least to the greatest.
-pub fn histogram(values: &[f64], n_bins: usize, labels: Labels) -> String {
-    let x = Ticks::around(values.iter().copied(), 6);
-    let mut counts = vec![0_u64; n_bins.clamp(1, COLUMNS)];
-    let n = counts.len();
-    for &value in values.iter().filter(|v| v.is_finite()) {
-        counts[((x.share(value) * n as f64) as usize).min(n - 1)] += 1;
-    }
-    let greatest = counts.iter().max().map_or(0.0, |&c| c as f64);
-    let y = Ticks::around([0.0, greatest.max(1.0)].into_iter(), 5).widened();
-    let mut svg = Chart::new(&x, &y, labels);
-    let bar = (PLOT[1] - PLOT[0]) / n as f64;
-    for (i, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let top = PLOT[3] - (PLOT[3] - PLOT[2]) * y.share(count as f64);
-        let gap = if bar > 4.0 { 1.0 } else { 0.0 };
-        svg.add(format_args!(
-            "<rect x=\"{:.2}\" y=\"{top:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"{}\"/>",
-            PLOT[0] + bar * i as f64,
-            bar - gap,
-            PLOT[3] - top,
-            SERIES[0]
-        ));
-    }
-    svg.finish()
-}
-
 /// A grid of values as colours, with the bar that explains them called `value_label`.
 pub fn heat_map(grid: &Grid, labels: Labels, value_label: &str) -> std::io::Result<String> {
-    let values = Ticks::around(grid.values.iter().copied(), 5);
+    let ticks = Ticks::around(grid.values.iter().copied(), 5);
+    colour_map(grid, labels, value_label, &Scale { ticks, color: heat })
+}
+
+/// A grid of values above and below 0, blue and red, both in full at `full`; otherwise a
+/// [`heat_map`].
+pub fn signed_map(
+    grid: &Grid,
+    full: f64,
+    labels: Labels,
+    value_label: &str,
+) -> std::io::Result<String> {
+    let ticks = Ticks::around([-full, full].into_iter(), 5);
+    colour_map(grid, labels, value_label, &Scale { ticks, color: |at| signed(2.0 * at - 1.0) })
+}
+
+/// Which values get which colours.
+struct Scale {
+    ticks: Ticks,
+    /// Of a share of the range.
+    color: fn(f64) -> [u8; 3],
+}
+
+fn colour_map(
+    grid: &Grid,
+    labels: Labels,
+    value_label: &str,
+    scale: &Scale,
+) -> std::io::Result<String> {
     let (x, y) = (Ticks::around(grid.x.into_iter(), 5), Ticks::around(grid.y.into_iter(), 6));
     let mut svg = Chart::empty();
     // Only the bar's width is taken from the plot, on the right.
     let right = PLOT[1] - 70.0;
-    svg.image([PLOT[0], PLOT[2], right - PLOT[0], PLOT[3] - PLOT[2]], &cells(grid, &values))?;
+    svg.image([PLOT[0], PLOT[2], right - PLOT[0], PLOT[3] - PLOT[2]], &cells(grid, scale))?;
     svg.axes(&x, &y, labels, right);
-    let bar: Vec<[u8; 3]> = (0..128).rev().map(|i| heat(f64::from(i) / 127.0)).collect();
+    let bar = (0..128).rev().map(|i| (scale.color)(f64::from(i) / 127.0)).collect();
     let bar = Raster { width: 1, height: 128, pixels: bar };
     svg.image([right + 20.0, PLOT[2], 14.0, PLOT[3] - PLOT[2]], &bar)?;
-    for (value, text) in values.labels() {
-        let y = PLOT[3] - (PLOT[3] - PLOT[2]) * values.share(value);
+    for (value, text) in scale.ticks.labels() {
+        let y = PLOT[3] - (PLOT[3] - PLOT[2]) * scale.ticks.share(value);
         svg.text([right + 40.0, y + 4.0], "start", &text);
     }
     svg.text([WIDTH - 4.0, PLOT[2] - 11.0], "end", value_label);
@@ -102,11 +104,11 @@ pub fn heat_map(grid: &Grid, labels: Labels, value_label: &str) -> std::io::Resu
 }
 
 /// The grid as a picture of one pixel per cell, top row first.
-fn cells(grid: &Grid, values: &Ticks) -> Raster {
+fn cells(grid: &Grid, scale: &Scale) -> Raster {
     let n = grid.n_columns.max(1);
     let rows = grid.values.chunks_exact(n).rev();
     let color = |v: &f64| match *v {
-        v if v.is_finite() => heat(values.share(v)),
+        v if v.is_finite() => (scale.color)(scale.ticks.share(v)),
         v if v.is_infinite() => BEYOND,
         _ => MISSING,
     };
@@ -152,6 +154,10 @@ mod tests {
 
     const LABELS: Labels = Labels { x: "turn", y: "Y [mm] <&>" };
 
+    fn heat_of(grid: &Grid) -> Scale {
+        Scale { ticks: Ticks::around(grid.values.iter().copied(), 5), color: heat }
+    }
+
     fn series(points: Vec<[f64; 2]>) -> Series {
         Series { name: "height".into(), points }
     }
@@ -170,9 +176,8 @@ mod tests {
                 LABELS,
             ),
             line_chart(&[], LABELS),
-            histogram(&[1.0, 2.0, 2.5, f64::NAN, 9.0], 12, LABELS),
-            histogram(&[], 12, LABELS),
             heat_map(&grid, LABELS, "gap <mm>").unwrap(),
+            signed_map(&grid, 0.1, LABELS, "gap <mm>").unwrap(),
         ];
         for chart in charts {
             assert_balanced(&chart);
@@ -202,16 +207,20 @@ mod tests {
     }
 
     #[test]
-    fn histogram_has_a_bar_for_every_bin_with_values() {
-        let chart = histogram(&[0.0, 0.1, 5.0, 10.0], 10, LABELS);
-        assert_eq!(chart.matches("<rect").count(), 3);
+    fn a_signed_map_is_red_below_and_blue_above_and_cut_at_its_full_scale() {
+        let values = vec![-9.0, -0.1, 0.0, 0.1];
+        let grid = Grid { n_columns: 4, values, x: [0.0, 1.0], y: [0.0, 1.0] };
+        let ticks = Ticks::around([-0.1, 0.1].into_iter(), 5);
+        let scale = Scale { ticks, color: |at| signed(2.0 * at - 1.0) };
+        let raster = cells(&grid, &scale);
+        assert_eq!(raster.pixels, [signed(-1.0), signed(-1.0), signed(0.0), signed(1.0)]);
     }
 
     #[test]
     fn heat_map_has_its_first_row_at_the_bottom() {
         let grid =
             Grid { n_columns: 2, values: vec![0.0, 0.0, 1.0, 1.0], x: [0.0, 1.0], y: [0.0, 1.0] };
-        let raster = cells(&grid, &Ticks::around(grid.values.iter().copied(), 5));
+        let raster = cells(&grid, &heat_of(&grid));
         assert_eq!(raster.pixels, [heat(1.0), heat(1.0), heat(0.0), heat(0.0)]);
     }
 
@@ -219,7 +228,7 @@ mod tests {
     fn heat_map_tells_what_is_beyond_its_scale_from_nothing() {
         let values = vec![0.0, f64::NAN, f64::INFINITY, 1.0];
         let grid = Grid { n_columns: 4, values, x: [0.0, 1.0], y: [0.0, 1.0] };
-        let raster = cells(&grid, &Ticks::around(grid.values.iter().copied(), 5));
+        let raster = cells(&grid, &heat_of(&grid));
         assert_eq!(raster.pixels, [heat(0.0), MISSING, BEYOND, heat(1.0)]);
     }
 

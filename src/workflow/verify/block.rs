@@ -8,33 +8,51 @@ use crate::stock::{Layout, Resolution, Stock};
 use std::fmt;
 
 /// What a part is cut from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum RawBlock {
     /// The part and its clamps with so much more all over: what roughing leaves [mm].
     Grown(f64),
     /// A body; the clamps stand out of it.
     Body(Block),
+    /// What another program left, looked at as finely as it was then.
+    Left(Box<Stock>),
+}
+
+/// Along which rays a block is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rays<'a> {
+    /// The words of all axes where the program first cuts.
+    pub(super) values: &'a AxisValues,
+    /// The axis of a table that turns the part under a tool of constant tilt.
+    pub(super) turner: Option<usize>,
+    pub(super) resolution: Resolution,
 }
 
 impl RawBlock {
-    /// The block around the part as it is set up, looked at along rays with the rotary axes as in
-    /// `values`.
+    /// The block around the part as it is set up, looked at along `rays`.
     pub(super) fn stock(
         &self,
         setup: &Setup,
         machine: &Machine,
-        values: &AxisValues,
-        resolution: Resolution,
+        rays: &Rays,
     ) -> Result<Stock, VerifyError> {
         let Surface::Mesh(part) = &setup.surface else { return Err(VerifyError::NoTriangles) };
         let all = part.aabb();
         // Rays around an axis, if the block is round about it, are fewer.
+        let Rays { values, turner, resolution } = *rays;
         let layout = |radius: Option<f64>, space: &Aabb| {
+            if let Some(axis) = turner {
+                // Below the part there is the table.
+                let min = Point3::new(space.min.x, space.min.y, setup.part.min.z);
+                let space = Aabb { min, max: space.max };
+                return Layout::about(machine, values, axis, &space, resolution);
+            }
             let x = [space.min.x, space.max.x];
             let round = radius.and_then(|radius| Layout::round(machine, x, radius, resolution));
             round.unwrap_or_else(|| Layout::new(machine, values, space, resolution))
         };
         match self {
+            Self::Left(stock) => Ok(stock.as_ref().clone()),
             Self::Grown(margin) => {
                 let grow = Vector3::repeat(*margin);
                 let space = held(setup, Aabb { min: all.min - grow, max: all.max + grow });
@@ -78,6 +96,7 @@ impl fmt::Display for RawBlock {
         match self {
             Self::Grown(margin) => write!(f, "the part with {margin} mm more all over"),
             Self::Body(block) => block.fmt(f),
+            Self::Left(_) => f.write_str("what the program before it left"),
         }
     }
 }

@@ -5,18 +5,19 @@ mod header;
 mod options;
 
 pub use block::RawBlock;
+use block::Rays;
 pub use header::{Asked, HeaderError, asked};
 pub use options::VerifyOptions;
 
-use crate::cam::{BlockError, Part, SetupError, set_up};
+use crate::cam::{BlockError, Part, Setup, SetupError, TurnLine, set_up};
 use crate::gcode::{BlockKind, Program, StepKind};
-use crate::geom::{Surface, TriMesh};
+use crate::geom::Surface;
 use crate::machine::{AxisValues, Machine, MachineError};
 use crate::measure::{
-    Deviation, DeviationReport, SimulateError, SimulationReport, Target, deviation, simulate,
+    Deviation, DeviationReport, SimulateError, SimulationReport, Target, blame, deviation, simulate,
 };
 use crate::progress::Progress;
-use crate::stock::{Resolution, StockError};
+use crate::stock::{Resolution, Stock, StockError};
 use crate::tool::{Tool, ToolError};
 use crate::workflow::cam::{CamOptions, OptionsError};
 use serde::Serialize;
@@ -51,10 +52,9 @@ pub struct VerifyJob<'a> {
 pub struct Verified {
     /// The numbers.
     pub report: VerifyReport,
-    /// The surface that was cut; its first vertices are the ends of the rays, in the order of
-    /// `deviation.values`.
-    pub surface: TriMesh,
-    /// How far each ray is off.
+    /// What is left of the block.
+    pub stock: Stock,
+    /// How far each of its rays is off, row by row; NaN where nothing was to be cut.
     pub deviation: Vec<f64>,
 }
 
@@ -128,12 +128,19 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
     }
     let mesh = job.surface.into_mesh().ok_or(VerifyError::NoTriangles)?;
     let setup = set_up(Surface::Mesh(mesh), job.machine, &job.setup.setup()?)?;
-    let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let first = first_cut(job.program, job.machine).ok_or(VerifyError::NoMoves)?;
+    let turner = turntable(job.program, job.machine, &first);
     let resolution = Resolution::even(job.options.resolution());
-    let stock = job.block.stock(&setup, job.machine, &first, resolution)?;
+    let rays = Rays { values: &first, turner, resolution };
+    let block = || job.block.stock(&setup, job.machine, &rays);
+    let stock = block()?;
+    let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
     let simulated = simulate(job.program, job.machine, &job.tools, stock, progress)?;
-    let part = Part::triangles(mesh);
+    let part = match turner {
+        Some(axis) => above_table(setup.clone(), job.machine, axis, &job.tools, &simulated.stock)
+            .ok_or(VerifyError::NoTriangles)?,
+        None => Part::triangles(mesh),
+    };
     let target = Target { mesh, n_own: setup.n_own, part: &part };
     let tool = last_tool(job.program, &job.tools).ok_or(SimulateError::NoTools)?;
     let cutter = tool.profile.cutter(0.0);
@@ -152,8 +159,12 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
         faults: Vec::new(),
         notes: job.notes,
     };
+    for spot in report.deviation.faults(tolerance) {
+        let stocks = [&block()?, &simulated.stock];
+        spot.line = blame(job.program, job.machine, &job.tools, stocks, &spot.at.into())?;
+    }
     report.find_faults();
-    Ok(Verified { report, surface: simulated.stock.to_mesh(), deviation: values })
+    Ok(Verified { report, stock: simulated.stock, deviation: values })
 }
 
 impl VerifyReport {
@@ -167,9 +178,10 @@ impl VerifyReport {
         for (spot, what) in gouges {
             if let Some(spot) = spot.filter(|spot| spot.value > self.tolerance) {
                 let [x, y, z] = spot.at;
+                let by = spot.line.map_or_else(String::new, |line| format!(", by line {line}"));
                 self.faults.push(format!(
                     "the {what} is cut {:.3} mm deep at X {x:.2} Y {y:.2} Z {z:.2} of the part set \
-                     up; {:.3} mm are allowed",
+                     up{by}; {:.3} mm are allowed",
                     spot.value, self.tolerance
                 ));
             }
@@ -189,6 +201,30 @@ impl VerifyReport {
 fn first_cut(program: &Program, machine: &Machine) -> Option<AxisValues> {
     let mut feeds = program.steps(machine).filter(|step| step.kind == StepKind::Feed);
     feeds.next().map(|step| step.to.map(Option::unwrap_or_default))
+}
+
+/// The axis of a table that turns the part while the tool cuts, tilted so that it shows the tool
+/// other sides of it; `None` where a spindle does, or nothing.
+fn turntable(program: &Program, machine: &Machine, first: &AxisValues) -> Option<usize> {
+    if machine.spindle.is_some() {
+        return None;
+    }
+    let TurnLine { axis, .. } = TurnLine::of(machine, first).ok()?;
+    let mut feeds = program.steps(machine).filter(|step| step.kind == StepKind::Feed);
+    feeds.any(|step| step.from[axis] != step.to[axis]).then_some(axis)
+}
+
+/// What tools can come down on: the part and the table that turns it, which is no part of the stock.
+fn above_table(
+    mut setup: Setup,
+    machine: &Machine,
+    axis: usize,
+    tools: &[Tool],
+    stock: &Stock,
+) -> Option<Part> {
+    let widest = tools.iter().map(|tool| tool.profile.cutter(0.0).reach().x).fold(0.0, f64::max);
+    setup.add_table(&machine.axes[axis].point, stock.layout().reach() + 2.0 * widest);
+    setup.surface.into_mesh().map(|mesh| Part::triangles(&mesh))
 }
 
 /// The tool that cuts last, and so the one whose marks are left.

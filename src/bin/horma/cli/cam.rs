@@ -1,16 +1,19 @@
 //! `horma cam`: from a part to a program, with its report.
 
 use super::Shell;
+use super::simulated::{Cutting, Told};
 use crate::exit::Usage;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
-use horma::geom::LengthUnit;
-use horma::io::report::{cam_page, cam_summary, html};
+use horma::cam::Block;
+use horma::geom::{LengthUnit, Surface};
+use horma::io::report::{cam_page, cam_summary, html, with_cut};
 use horma::io::{self, JobFile, OutputSet, Overwrite, Reading};
 use horma::machine::Machine;
 use horma::progress::Progress;
 use horma::tool::Tool;
 use horma::workflow::cam::{CamError, CamOptions, Job, Plan, plan};
+use horma::workflow::verify::{RawBlock, Verified, VerifyError};
 use std::path::{Path, PathBuf};
 
 /// Compute the program that cuts a part, and a report beside it.
@@ -20,6 +23,7 @@ use std::path::{Path, PathBuf};
 For example:
   horma cam last.stl -m last-lathe -o last.ngc
   horma cam last.stl -m last-lathe --mirror --scallop 0.03 --allowance 1 -o right.ngc
+  horma cam last.stl -m last-lathe --verify -o last.ngc
   horma cam --job last.toml")]
 pub(crate) struct CamArgs {
     /// The part: STL, PLY, OBJ, glTF/GLB, PCD, points or a section grid.
@@ -39,6 +43,16 @@ pub(crate) struct CamArgs {
     /// A job file that says what the command line does not.
     #[arg(long, value_name = "FILE")]
     job: Option<PathBuf>,
+    /// Cut the program in simulation, and show in the report what it leaves and how far that is from
+    /// the part; the stock is looked at so finely [mm; default: 0.25].
+    #[arg(
+        long,
+        value_name = "MM",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0.25"
+    )]
+    verify: Option<f64>,
     /// Leave the pictures out of the report: less time and memory.
     #[arg(long)]
     no_pictures: bool,
@@ -58,13 +72,15 @@ impl CamArgs {
 
 /// Plans the cut and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
-    run_with(args, shell, plan)
+    run_with(args, shell, None, plan)
 }
 
-/// Makes a plan of what the arguments ask for, and writes it.
+/// Makes a plan of what the arguments ask for, and writes it. It cuts from `block`; without one, from
+/// the part with the stock it assumes all over.
 pub(crate) fn run_with(
     args: &CamArgs,
     shell: &Shell,
+    block: Option<&Block>,
     plan: impl FnOnce(Job, &dyn Progress) -> Result<Plan, CamError>,
 ) -> anyhow::Result<()> {
     let job = args.job.as_deref().map(io::read_job).transpose()?.unwrap_or_default();
@@ -82,10 +98,26 @@ pub(crate) fn run_with(
     let tool = tool(args, &job, &options, &machine)?;
     let reading = io::read_surface(&part, args.units.or(job.units))?;
     let outputs = Outputs::checked(&output, args.force)?;
+    let cutting = match args.verify {
+        None => None,
+        Some(_) if outputs.is_stream => {
+            let text = "--verify tells in the report, and standard output has none; give -o FILE";
+            return Err(Usage(text.to_owned()).into());
+        }
+        Some(resolution) => Some(Cutting {
+            program_name: file_name(&output),
+            surface: with_triangles(&reading.surface)?,
+            machine: &machine,
+            dialect: &dialect,
+            tool: tool.clone(),
+            options: &options,
+            resolution,
+        }),
+    };
     let bar = shell.progress();
     let planned = plan(
         Job {
-            name: part.file_name().unwrap_or(part.as_os_str()).to_string_lossy().into_owned(),
+            name: file_name(&part),
             notes: notes(&reading),
             surface: reading.surface,
             machine: &machine,
@@ -97,13 +129,39 @@ pub(crate) fn run_with(
         &bar,
     )
     .with_context(|| format!("while cutting {}", part.display()))?;
-    outputs.write(&planned)?;
+    let block = match block {
+        Some(block) => RawBlock::Body(block.clone()),
+        None => RawBlock::Grown(planned.report.stock),
+    };
+    let verified = cutting.map(|cutting| cutting.run(&planned, block, &bar)).transpose()?;
+    outputs.write(&planned, verified.as_ref())?;
     drop(bar);
     if outputs.is_stream {
         return Ok(());
     }
-    let text = cam_summary(&planned.report) + "\n" + &outputs.in_words(&machine, &planned);
-    shell.report(&planned.report, &text)
+    let told = Told::new(&planned, verified.as_ref());
+    let text = format!(
+        "{}{}\n{}",
+        cam_summary(&planned.report),
+        told.in_words(),
+        outputs.in_words(&machine, &planned)
+    );
+    shell.report(&told, &text)?;
+    match verified.iter().flat_map(|verified| &verified.report.faults).next() {
+        None => Ok(()),
+        Some(fault) => bail!("{}: {fault}", output.display()),
+    }
+}
+
+/// A copy of the part to compare with: refused before hours are spent if it has no surface.
+fn with_triangles(surface: &Surface) -> anyhow::Result<Surface> {
+    let mesh = surface.clone().into_mesh().ok_or(VerifyError::NoTriangles)?;
+    Ok(Surface::Mesh(mesh))
+}
+
+/// The last part of a path, to call a file by.
+pub(super) fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 /// What the command line says, else the job file.
@@ -161,16 +219,20 @@ impl Outputs {
         [self.program.clone(), report("report.json"), report("report.html")]
     }
 
-    /// All three, or none.
-    pub(crate) fn write(&self, planned: &Plan) -> anyhow::Result<()> {
+    /// All three, or none; the reports with what the simulation found, if there was one.
+    pub(super) fn write(&self, planned: &Plan, verified: Option<&Verified>) -> anyhow::Result<()> {
         let [_, json, page] = self.paths();
         let mut files = OutputSet::new(self.overwrite);
         for (path, text) in self.programs(planned) {
             files.add(&path, |out| out.write_all(text))?;
         }
         if !self.is_stream {
-            let report = serde_json::to_vec_pretty(&planned.report)?;
-            let shown = html(&cam_page(&planned.report, planned.scene.as_ref())?);
+            let report = serde_json::to_vec_pretty(&Told::new(planned, verified))?;
+            let mut shown = cam_page(&planned.report, planned.scene.as_ref())?;
+            if let Some(verified) = verified {
+                shown = with_cut(shown, verified)?;
+            }
+            let shown = html(&shown);
             files.add(&json, |out| out.write_all(&report))?;
             files.add(&page, |out| out.write_all(shown.as_bytes()))?;
         }

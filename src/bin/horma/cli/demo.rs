@@ -1,17 +1,17 @@
 //! `horma demo`: the whole job on a last of our own, without any file.
 
+use super::Shell;
 use super::cam::Outputs;
-use super::{Shell, verify as verify_command};
+use super::simulated::{Cutting, Told};
 use anyhow::Context;
 use clap::Args;
 use horma::cam::{Block, Centre};
-use horma::gcode;
 use horma::geom::Surface;
 use horma::geom::shapes::{LastParameters, last};
-use horma::io::report::{cam_summary, verify_summary};
+use horma::io::report::cam_summary;
 use horma::io::{self, Overwrite};
-use horma::workflow::cam::{CamOptions, CamReport, Job, plan, rough};
-use horma::workflow::verify::{RawBlock, VerifyJob, VerifyOptions, VerifyReport, verify};
+use horma::workflow::cam::{CamOptions, Job, plan, rough};
+use horma::workflow::verify::RawBlock;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ const DEPTH: f64 = 8.0;
 /// What it leaves for finishing, ridges included [mm].
 const LEFT: f64 = 1.5;
 /// How finely the last is cut in simulation [mm].
-const RESOLUTION: f64 = 0.5;
+const RESOLUTION: f64 = 0.75;
 
 /// Make a last and the program that cuts it: no files needed.
 #[derive(Debug, Args)]
@@ -40,12 +40,12 @@ pub(crate) struct DemoArgs {
 /// All the demonstration has to tell.
 #[derive(Debug, Serialize)]
 struct DemoReport<'a> {
-    rough: &'a CamReport,
-    finish: &'a CamReport,
-    verified: &'a VerifyReport,
+    rough: Told<'a>,
+    finish: Told<'a>,
 }
 
-/// Makes the last, roughs and finishes it, cuts it in simulation, and says what to do next.
+/// Makes the last, roughs and finishes it, cuts it in simulation from the bar on, and says what to do
+/// next.
 pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     let mesh = Surface::Mesh(last(&args.last)?);
     io::create_folder(&args.out)?;
@@ -54,7 +54,6 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
         ["rough.ngc", "last.ngc"].map(|name| Outputs::checked(&args.out.join(name), args.force));
     let (rough_outputs, outputs) = (rough_outputs?, outputs?);
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Refuse };
-    let pages = verify_command::checked_outputs(&args.out.join("last.verify.html"), overwrite)?;
     let machine = io::read_machine(MACHINE)?;
     let dialect = io::read_dialect(&machine.dialect)?;
     let tool = io::read_tools(None)?.find(&machine.default_tool)?;
@@ -76,37 +75,32 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     let roughed = rough(job(), &bar_of_wood, Some(DEPTH), &bar)
         .context("while roughing the demonstration's last")?;
     let planned = plan(job(), &bar).context("while cutting the demonstration's last")?;
-    let verified = verify(
-        VerifyJob {
-            program_name: "last.ngc".into(),
-            program: &gcode::read(&mut planned.text.as_slice(), &machine, &dialect)?,
-            part_name: "last.stl".into(),
-            surface: mesh.clone(),
-            notes: vec!["cut from what roughing leaves".into()],
-            machine: &machine,
-            tools: vec![tool.clone()],
-            setup: &options,
-            block: RawBlock::Grown(LEFT),
-            options: &VerifyOptions { resolution: Some(RESOLUTION), ..VerifyOptions::default() },
-        },
-        &bar,
-    )
-    .context("while cutting the demonstration's last in simulation")?;
+    let cutting = |program_name: &str| Cutting {
+        program_name: program_name.to_owned(),
+        surface: mesh.clone(),
+        machine: &machine,
+        dialect: &dialect,
+        tool: tool.clone(),
+        options: &options,
+        resolution: RESOLUTION,
+    };
+    let rough_cut = cutting("rough.ngc").run(&roughed, RawBlock::Body(bar_of_wood), &bar)?;
+    let left = RawBlock::Left(Box::new(rough_cut.stock.clone()));
+    let cut = cutting("last.ngc").run(&planned, left, &bar)?;
     io::write_surface(&part, &mesh, overwrite)?;
-    rough_outputs.write(&roughed)?;
-    outputs.write(&planned)?;
-    verify_command::write(&verified, &pages, overwrite)?;
+    rough_outputs.write(&roughed, Some(&rough_cut))?;
+    outputs.write(&planned, Some(&cut))?;
     drop(bar);
-    let (part, folder, page) = (part.display(), args.out.display(), pages[0].display());
+    let (part, folder) = (part.display(), args.out.display());
+    let finish = Told::new(&planned, Some(&cut));
     let text = format!(
-        "{}\n{}\nwrote {part}\n      {folder}/rough.ngc, from a bar to 1 mm on the last\n{}\n      \
-         open {page}: the last as the programs cut it\n      \
+        "{}{}\nwrote {part}\n      {folder}/rough.ngc, from a bar to 1 mm on the last\n{}\n      \
          horma cam {part} -m {MACHINE} --mirror --scallop 0.03 -o right.ngc\n      \
          horma cam YOUR-PART.stl -m {MACHINE} -o your-part.ngc",
         cam_summary(&planned.report),
-        verify_summary(&verified.report),
+        finish.in_words(),
         outputs.in_words(&machine, &planned),
     );
-    let (rough, finish, verified) = (&roughed.report, &planned.report, &verified.report);
-    shell.report(&DemoReport { rough, finish, verified }, &text)
+    let rough = Told::new(&roughed, Some(&rough_cut));
+    shell.report(&DemoReport { rough, finish }, &text)
 }

@@ -12,6 +12,7 @@ mod machine;
 mod restart;
 mod rough;
 mod shell;
+mod simulated;
 mod table;
 mod tool;
 mod verify;

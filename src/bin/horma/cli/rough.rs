@@ -30,5 +30,7 @@ pub(crate) struct RoughArgs {
 /// Plans the roughing and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &RoughArgs, shell: &Shell) -> anyhow::Result<()> {
     let block = read_block(&args.block, args.cam.units())?;
-    run_with(&args.cam, shell, |job, progress| rough(job, &block, args.max_depth, progress))
+    run_with(&args.cam, shell, Some(&block), |job, progress| {
+        rough(job, &block, args.max_depth, progress)
+    })
 }

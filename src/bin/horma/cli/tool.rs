@@ -6,7 +6,7 @@ use super::{Shell, print};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use horma::io;
-use horma::tool::{Tool, ToolLibrary, Turns};
+use horma::tool::{Cylinder, Tool, ToolLibrary, Turns};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -105,6 +105,9 @@ fn description(tool: &Tool) -> Value {
     for (&key, value) in tool.profile.shape().keys().iter().zip(tool.profile.dimensions()) {
         all[key] = json!(value);
     }
+    if let Some(body) = &tool.body {
+        all["body"] = json!(body);
+    }
     all
 }
 
@@ -127,7 +130,7 @@ fn summary(tool: &Tool) -> String {
         .collect();
     format!(
         "{}: T{}, {} with {}\n  length  {} mm\n  speed   {} rpm, {turns}\n  feed    {} mm/s, \
-         plunging {} mm/s",
+         plunging {} mm/s{}",
         tool.name,
         tool.number,
         profile.shape().word(),
@@ -135,13 +138,33 @@ fn summary(tool: &Tool) -> String {
         number(tool.length),
         number(tool.speed_rpm),
         number(tool.feed),
-        number(tool.plunge_feed)
+        number(tool.plunge_feed),
+        body(tool)
     )
+}
+
+/// What of a tool does not cut, a line each.
+fn body(tool: &Tool) -> String {
+    let line = |cylinder: &Cylinder| {
+        let [from, to] = cylinder.stretch;
+        let stretch = match (from.is_finite(), to.is_finite()) {
+            (true, true) => format!("from {} to {} mm", number(from), number(to)),
+            (true, false) => format!("from {} mm on", number(from)),
+            _ => format!("up to {} mm", number(to)),
+        };
+        format!(
+            "\n  {:<8}{} mm wide {stretch}",
+            cylinder.part.word(),
+            number(2.0 * cylinder.radius)
+        )
+    };
+    tool.cylinders().iter().map(line).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use horma::tool::{Body, Side};
 
     #[test]
     fn the_json_of_the_tools_is_a_library_of_the_same_tools() {
@@ -149,6 +172,22 @@ mod tests {
         let all: Vec<Value> = library.tools.iter().map(description).collect();
         let text = toml::to_string(&json!({ "tool": all })).unwrap();
         assert_eq!(ToolLibrary::parse(&text, "shop.toml").unwrap(), library);
+    }
+
+    #[test]
+    fn a_body_is_told_to_people_and_kept_in_json() {
+        let body = Body {
+            spindle_side: Some(Side::Heel),
+            spindle_diameter: Some(90.0),
+            arbor_diameter: Some(40.0),
+            nut_length: Some(30.0),
+            ..Body::default()
+        };
+        let tool = Tool { body: Some(body), ..Tool::from_shorthand("wheel:60,10").unwrap() };
+        let text = summary(&tool);
+        assert!(text.contains("\n  arbor   40 mm wide from -50 to 30 mm"), "{text}");
+        assert!(text.contains("\n  spindle 90 mm wide up to -50 mm"), "{text}");
+        assert_eq!(description(&tool)["body"]["spindle-side"], "heel");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::Shell;
 use super::block::read_block;
-use super::cam::notes;
+use super::cam::{file_name, notes};
 use anyhow::{Context, bail};
 use clap::Args;
 use horma::cam::Centre;
@@ -14,7 +14,7 @@ use horma::machine::Machine;
 use horma::tool::Tool;
 use horma::workflow::cam::CamOptions;
 use horma::workflow::verify::{Asked, RawBlock, Verified, VerifyJob, VerifyOptions, asked, verify};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Stock on the part where the program's header says nothing [mm].
 const ASSUMED: f64 = 1.0;
@@ -112,9 +112,9 @@ pub(crate) fn run(args: &VerifyArgs, shell: &Shell) -> anyhow::Result<()> {
     });
     let bar = shell.progress();
     let job = VerifyJob {
-        program_name: name(&args.program),
+        program_name: file_name(&args.program),
         program: &program,
-        part_name: name(&args.part),
+        part_name: file_name(&args.part),
         surface: reading.surface,
         notes,
         machine: &machine,
@@ -186,51 +186,34 @@ impl VerifyArgs {
         }
     }
 
-    /// The page and its numbers; refused before the work begins if they cannot be written.
+    /// The page and its numbers beside it; refused before the work begins if they cannot be written.
     fn outputs(&self) -> anyhow::Result<[PathBuf; 2]> {
         let page = self.output.clone();
         let page = page.unwrap_or_else(|| self.program.with_extension("verify.html"));
-        checked_outputs(&page, self.overwrite())
+        let outputs = [page.clone(), page.with_extension("json")];
+        let mut trial = OutputSet::new(self.overwrite());
+        for path in &outputs {
+            trial.add(path, |_| Ok(()))?;
+        }
+        Ok(outputs)
     }
 
-    fn write(&self, verified: &Verified, outputs: &[PathBuf; 2]) -> anyhow::Result<()> {
+    /// Writes the page and its numbers: both, or none; before them the map, if it was asked for.
+    fn write(&self, verified: &Verified, [page, json]: &[PathBuf; 2]) -> anyhow::Result<()> {
         if let Some(path) = &self.map {
             let full = verified.report.tolerance.max(0.1);
             let map = Surface::Mesh(deviation_map(verified, full));
             io::write_surface(path, &map, self.overwrite())?;
         }
-        write(verified, outputs, self.overwrite())
+        let shown = html(&verify_page(verified)?);
+        let numbers = serde_json::to_vec_pretty(&verified.report)?;
+        let mut files = OutputSet::new(self.overwrite());
+        files.add(page, |out| out.write_all(shown.as_bytes()))?;
+        files.add(json, |out| out.write_all(&numbers))?;
+        Ok(files.commit()?)
     }
 
     fn overwrite(&self) -> Overwrite {
         if self.force { Overwrite::Replace } else { Overwrite::Refuse }
     }
-}
-
-/// The page and its numbers beside it; refused if they cannot be written.
-pub(crate) fn checked_outputs(page: &Path, overwrite: Overwrite) -> anyhow::Result<[PathBuf; 2]> {
-    let outputs = [page.to_owned(), page.with_extension("json")];
-    let mut trial = OutputSet::new(overwrite);
-    for path in &outputs {
-        trial.add(path, |_| Ok(()))?;
-    }
-    Ok(outputs)
-}
-
-/// Writes the page and its numbers: both, or none.
-pub(crate) fn write(
-    verified: &Verified,
-    [page, json]: &[PathBuf; 2],
-    overwrite: Overwrite,
-) -> anyhow::Result<()> {
-    let shown = html(&verify_page(verified)?);
-    let numbers = serde_json::to_vec_pretty(&verified.report)?;
-    let mut files = OutputSet::new(overwrite);
-    files.add(page, |out| out.write_all(shown.as_bytes()))?;
-    files.add(json, |out| out.write_all(&numbers))?;
-    Ok(files.commit()?)
-}
-
-fn name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

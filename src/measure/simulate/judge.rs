@@ -1,0 +1,160 @@
+//! What each move did, judged.
+
+use super::bodies::{Bodied, Hit, remove_beside};
+use super::moves::{Batch, Fact};
+use super::report::{CheckedBody, Collision, CollisionKind, Extreme, SimulationReport};
+use super::{SimulateError, Simulation};
+use crate::machine::Machine;
+use crate::measure::ridge::ridge_error;
+use crate::progress::Progress;
+use crate::stock::{Cut, Stock};
+use crate::tool::{Cutter, Cylinder, Tool};
+
+/// A feed move that cuts no deeper than this cuts air [mm].
+const AIR: f64 = 0.01;
+/// A rapid this deep in the material is a collision: what is less, rounding explains [mm].
+const TOUCH: f64 = 0.01;
+/// After so many collisions of bodies nobody looks any more: such a program must not run.
+const MOST_BODY_COLLISIONS: usize = 100;
+
+/// The stock while a program runs, and what there is to tell of it so far.
+pub(super) struct Judge<'a> {
+    machine: &'a Machine,
+    stock: Stock,
+    pub(super) report: SimulationReport,
+    /// The least sharp edge that cut [mm]; none if one was sharp.
+    roundest: Option<[f64; 2]>,
+    n_body_collisions: usize,
+}
+
+impl<'a> Judge<'a> {
+    pub(super) fn new(machine: &'a Machine, stock: Stock) -> Self {
+        let report = SimulationReport::new(stock.volume(), stock.layout().resolution());
+        let roundest = Some([f64::INFINITY; 2]);
+        Self { machine, stock, report, roundest, n_body_collisions: 0 }
+    }
+
+    /// Cuts, and judges what came of it.
+    pub(super) fn run(
+        &mut self,
+        batch: &Batch,
+        progress: &dyn Progress,
+    ) -> Result<(), SimulateError> {
+        let cutter = batch.tool.profile.cutter(0.0);
+        let cylinders = self.cylinders(batch.tool);
+        let problem = |problem| SimulateError::between(batch.lines(), problem);
+        let (cuts, hits) = if cylinders.is_empty() {
+            let cuts = self.stock.remove(self.machine, &cutter, &batch.sweeps, progress);
+            (cuts.map_err(problem)?, Vec::new())
+        } else {
+            let tool = Bodied {
+                machine: self.machine,
+                cutter: &cutter,
+                cylinders: &cylinders,
+                most_hits: MOST_BODY_COLLISIONS.saturating_sub(self.n_body_collisions),
+            };
+            remove_beside(&mut self.stock, &tool, &batch.sweeps, progress).map_err(problem)?
+        };
+        self.roundest = self
+            .roundest
+            .zip(roundness(&cutter))
+            .map(|([along, across], new)| [along.min(new[0]), across.min(new[1])]);
+        let mut hits = hits.into_iter().peekable();
+        for (i, (fact, cut)) in batch.facts.iter().zip(&cuts).enumerate() {
+            self.judge(fact, cut);
+            while let Some(hit) = hits.next_if(|hit| hit.i_sweep == i) {
+                self.hit(fact.line, &hit);
+            }
+        }
+        Ok(())
+    }
+
+    /// What of a tool does not cut and is to be looked at; the report says so.
+    fn cylinders(&mut self, tool: &Tool) -> Vec<Cylinder> {
+        let bodies = &mut self.report.bodies;
+        let cylinders = tool.cylinders();
+        let parts = cylinders.iter().map(|cylinder| cylinder.part).collect();
+        let checked = CheckedBody { tool: tool.name.clone(), parts };
+        if cylinders.is_empty() {
+            if !bodies.unknown.contains(&tool.name) {
+                bodies.unknown.push(tool.name.clone());
+            }
+        } else if !bodies.checked.contains(&checked) {
+            bodies.checked.push(checked);
+        }
+        if bodies.stopped_at.is_some() { Vec::new() } else { cylinders }
+    }
+
+    fn hit(&mut self, line: u32, hit: &Hit) {
+        self.n_body_collisions += 1;
+        let kind = CollisionKind::from(hit.cylinder.part);
+        self.report.collide(Collision { line, kind, depth: hit.depth });
+        if self.n_body_collisions >= MOST_BODY_COLLISIONS {
+            self.report.bodies.stopped_at = Some(line);
+        }
+    }
+
+    fn judge(&mut self, fact: &Fact, cut: &Cut) {
+        let report = &mut self.report;
+        report.removed += cut.removed;
+        report.n_overhanging += usize::from(cut.n_overhangs > 0);
+        // The free end of what stands on a turntable may be faced; into the part it is a gouge.
+        if cut.is_through && !self.stock.layout().is_on_turntable() {
+            let is_turned = self.stock.layout().is_turned();
+            let kind =
+                if is_turned { CollisionKind::AcrossAxis } else { CollisionKind::BelowBlock };
+            report.collide(Collision { line: fact.line, kind, depth: cut.depth });
+        }
+        if fact.is_rapid {
+            if cut.depth > TOUCH + 2.0 * self.stock.sweep_error() {
+                let kind = CollisionKind::Rapid;
+                report.collide(Collision { line: fact.line, kind, depth: cut.depth });
+            }
+            return;
+        }
+        keep_greatest(&mut report.greatest_depth, cut.depth, fact.line);
+        if fact.seconds > 0.0 {
+            keep_greatest(&mut report.greatest_rate, cut.removed / fact.seconds, fact.line);
+        }
+        if !fact.is_lead {
+            report.feed_seconds += fact.seconds;
+            report.air_seconds += if cut.depth < AIR { fact.seconds } else { 0.0 };
+        }
+    }
+
+    /// The stock, and all there is to tell.
+    pub(super) fn finish(mut self) -> Simulation {
+        let report = &mut self.report;
+        report.end_volume = self.stock.volume();
+        if report.feed_seconds > 0.0 {
+            report.air_share = report.air_seconds / report.feed_seconds;
+        }
+        let resolution = &mut report.resolution;
+        resolution.sweep = self.stock.sweep_error();
+        resolution.ridge = ridge_error(&self.stock);
+        // A surface hollow with radius r sinks s^2 / (8 r) between rays s apart; around a part the
+        // part's own roundness comes on top.
+        let round = |[along, across]: [f64; 2]| {
+            let layout = self.stock.layout();
+            let around = if layout.is_turned() { 1.0 / layout.reach() } else { 0.0 };
+            resolution.along.powi(2) / (8.0 * along)
+                + resolution.across.powi(2) / 8.0 * (1.0 / across + around)
+        };
+        resolution.hollow = self.roundest.filter(|round| round[0] > 0.0).map(round);
+        Simulation { stock: self.stock, report: self.report }
+    }
+}
+
+fn keep_greatest(extreme: &mut Option<Extreme>, value: f64, line: u32) {
+    if value > extreme.map_or(0.0, |found| found.value) {
+        *extreme = Some(Extreme { value, line });
+    }
+}
+
+/// The least radii of a tool along X and across it; `None` if it has an edge or a point.
+fn roundness(cutter: &Cutter) -> Option<[f64; 2]> {
+    match cutter {
+        Cutter::Wheel(wheel) => Some([wheel.minor, wheel.major + wheel.minor]),
+        Cutter::Mill(mill) => mill.ball_radius().map(|radius| [radius; 2]),
+    }
+}
