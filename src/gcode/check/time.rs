@@ -3,6 +3,7 @@
 //! What is planned through without standing are feed moves on end, or rapids on end; the machine
 //! stands between the two, at pauses, and where the cutter starts or stops.
 
+use super::operation::{OperationTime, Start};
 use super::{Step, StepKind, way};
 use crate::cam::{
     Cause, Drive, Limit, Motion, Slowdowns, Slowed, Spot, Timing, drives, time_motion,
@@ -31,6 +32,14 @@ impl PlannedTime {
     pub fn total(&self) -> f64 {
         self.approach + self.cutting + self.links + self.retreat + self.pauses
     }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.approach += other.approach;
+        self.cutting += other.cutting;
+        self.links += other.links;
+        self.retreat += other.retreat;
+        self.pauses += other.pauses;
+    }
 }
 
 impl fmt::Display for PlannedTime {
@@ -45,6 +54,11 @@ impl fmt::Display for PlannedTime {
 pub(super) struct Stopwatch<'a> {
     machine: &'a Machine,
     drives: Vec<Drive>,
+    /// Operations that are over.
+    operations: Vec<OperationTime>,
+    /// Of the operation on its way.
+    tool: Option<u32>,
+    line: u32,
     planned: PlannedTime,
     /// Rapids since the last feed move: links if another one comes [s].
     rapids: f64,
@@ -62,6 +76,9 @@ impl<'a> Stopwatch<'a> {
         Self {
             machine,
             drives: drives(machine),
+            operations: Vec::new(),
+            tool: None,
+            line: 1,
             planned: PlannedTime::default(),
             rapids: 0.0,
             has_cut: false,
@@ -92,13 +109,28 @@ impl<'a> Stopwatch<'a> {
         }
     }
 
-    /// The times, and what keeps feeds from being held.
-    pub(super) fn finish(mut self) -> (PlannedTime, Vec<Slowed>) {
+    /// The cutter starts: if something was cut before, for another operation.
+    pub(super) fn start(&mut self, start: &Start) {
         self.stand();
+        if self.has_cut {
+            self.end_operation();
+        }
+        (self.tool, self.line) = (start.tool, start.line);
+    }
+
+    /// The times of all operations, and what keeps feeds from being held.
+    pub(super) fn finish(mut self) -> (Vec<OperationTime>, Vec<Slowed>) {
+        self.stand();
+        self.end_operation();
+        (self.operations, self.slowed.finish())
+    }
+
+    fn end_operation(&mut self) {
+        let mut planned = std::mem::take(&mut self.planned);
         let rapids = std::mem::take(&mut self.rapids);
-        *(if self.has_cut { &mut self.planned.retreat } else { &mut self.planned.approach }) +=
-            rapids;
-        (self.planned, self.slowed.finish())
+        let has_cut = std::mem::take(&mut self.has_cut);
+        *(if has_cut { &mut planned.retreat } else { &mut planned.approach }) += rapids;
+        self.operations.push(OperationTime { tool: self.tool, line: self.line, planned });
     }
 
     /// Times the moves on end, at the end of which the machine stands.
