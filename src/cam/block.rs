@@ -113,6 +113,16 @@ impl Block {
         }
     }
 
+    /// As the command line has it, `cylinder:60`; `None` of bodies, which are named by their file.
+    pub fn shorthand(&self) -> Option<String> {
+        match self {
+            Self::Cylinder { radius: None } => Some("cylinder".to_owned()),
+            Self::Cylinder { radius: Some(radius) } => Some(format!("cylinder:{radius}")),
+            Self::Box { margin } => Some(format!("box:{margin}")),
+            Self::Mesh(_) => None,
+        }
+    }
+
     /// The radius of a round bar that holds the part with `allowance` on it; `None` of other blocks.
     pub fn bar_radius(
         &self,

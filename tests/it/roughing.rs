@@ -22,6 +22,7 @@ fn roughed(
     max_depth: f64,
     options: &CamOptions,
 ) -> Result<Plan, CamError> {
+    let options = &CamOptions { max_depth: Some(max_depth), ..options.clone() };
     let machine = Machine::builtin("last-lathe").unwrap();
     let job = Job {
         name: "part".into(),
@@ -33,7 +34,7 @@ fn roughed(
         options,
         keep_scene: false,
     };
-    rough(job, block, Some(max_depth), &Silent)
+    rough(job, block, &Silent)
 }
 
 fn column() -> TriMesh {

@@ -1,12 +1,12 @@
 //! What a job tells about its plan; what people and programs read beside the G-code.
 
 use super::CamOptions;
+use super::ground::Ground;
 use super::heights::Heights;
 use super::spacing::scallop;
 use crate::cam::{Certificate, FeedReport, ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
 use crate::gcode::CheckReport;
 use crate::geom::Surface;
-use crate::tool::Tool;
 use serde::Serialize;
 
 /// The report of one job. Lengths in millimetres, angles in degrees, times in seconds.
@@ -23,6 +23,8 @@ pub struct CamReport {
     pub setup: SetupReport,
     /// How the tool runs over it.
     pub run: RunReport,
+    /// What the program does.
+    pub work: Work,
     /// How a block was roughed; absent for a finishing program.
     pub rough: Option<RoughReport>,
     /// What is proved of the path between its positions; absent if nothing was asked for.
@@ -36,6 +38,19 @@ pub struct CamReport {
     pub program: CheckReport,
     /// What the user should know before pressing start.
     pub warnings: Vec<String>,
+}
+
+/// What a program does to its part. Of one that roughs and finishes, tool, run, certificate and reach
+/// are those of finishing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Work {
+    /// Roughs it out of its block.
+    Rough,
+    /// Finishes it.
+    Finish,
+    /// First the one, then the other.
+    RoughAndFinish,
 }
 
 /// What was cut.
@@ -82,14 +97,20 @@ pub struct SetupReport {
 pub struct RoughReport {
     /// What it is cut from.
     pub block: String,
+    /// The tool, as the library or the command line names it, and its shape.
+    pub tool: [String; 2],
     /// The most the tool takes at once, along the attack axis [mm].
     pub max_depth: f64,
+    /// Material left for finishing [mm].
+    pub allowance: f64,
     /// Layers.
     pub n_layers: usize,
     /// Cuts, with a link before each.
     pub n_cuts: usize,
     /// Positions of all cuts.
     pub n_positions: usize,
+    /// What the machine can hold of the feed, in the cuts alone.
+    pub held: FeedReport,
 }
 
 /// How the tool runs over the part, and what came of it.
@@ -158,13 +179,8 @@ impl SetupReport {
 
 impl RunReport {
     /// Of a run and what came of it, but for what is held of its feed.
-    pub(super) fn new(
-        way: &Trajectory,
-        setup: &Setup,
-        tool: &Tool,
-        options: &CamOptions,
-        heights: &Heights,
-    ) -> Self {
+    pub(super) fn new(ground: &Ground, way: &Trajectory, heights: &Heights) -> Self {
+        let Ground { setup, tool, options, .. } = ground;
         let allowance = options.allowance.unwrap_or(0.0);
         Self {
             strategy: way.strategy(),
@@ -173,7 +189,7 @@ impl RunReport {
             pitch: way.spacing().pitch_range(),
             step: way.spacing().step,
             along: way.along(),
-            overrun: [setup.part.min.x - way.along()[0], tool.profile.cutter(allowance).reach().x],
+            overrun: [setup.part.min.x - way.along()[0], ground.cutter.reach().x],
             allowance,
             n_missed: heights.n_missed(),
             off_part: options.off_part.unwrap_or_default().in_words(),
@@ -187,6 +203,16 @@ impl RunReport {
 }
 
 impl CamReport {
+    /// This report of finishing, after the roughing that `before` tells of.
+    pub(super) fn after(mut self, before: Self) -> Self {
+        self.work = Work::RoughAndFinish;
+        self.rough = before.rough;
+        // Both may have the same to say of how the part is held.
+        let new = before.warnings.into_iter().filter(|text| !self.warnings.contains(text));
+        self.warnings.splice(0..0, new.collect::<Vec<_>>());
+        self
+    }
+
     /// Adds what is different on a tilted table.
     pub(super) fn warn_of_table(&mut self) {
         // It runs off the part's top, and down to its table.
@@ -200,7 +226,7 @@ impl CamReport {
     /// Adds what the user should know before pressing start.
     pub(super) fn warn(&mut self) {
         let mut say = |text: String| self.warnings.push(text);
-        if self.rough.is_none() {
+        if self.work == Work::Finish {
             say(format!(
                 "the program assumes at most {:.1} mm of stock on the part: rough it first",
                 self.stock
@@ -211,7 +237,7 @@ impl CamReport {
                  the part, and what is proved is proved of the points; give triangles to be exact"
                 .into());
         }
-        if self.certificate.is_none() && self.rough.is_none() {
+        if self.certificate.is_none() && self.work != Work::Rough {
             say("not certified: between positions the tool may cut into the part; --tolerance proves \
                  how deep"
                 .into());
@@ -246,6 +272,11 @@ impl CamReport {
                     share(reach.hollow),
                     reach.deepest
                 ));
+            }
+        }
+        if let (Work::RoughAndFinish, Some(RoughReport { held, .. })) = (self.work, &self.rough) {
+            for slowed in held.slowed.iter().filter(|slowed| slowed.is_worth_telling(held.taken)) {
+                say(format!("roughing: {slowed}"));
             }
         }
         let held = &self.run.held;

@@ -1,16 +1,15 @@
 //! `horma cam`: from a part to a program, with its report.
 
 use super::Shell;
+use super::block::read_block;
 use crate::exit::Usage;
 use anyhow::Context;
 use clap::Args;
 use horma::geom::LengthUnit;
 use horma::io::report::{cam_page, cam_summary, html};
-use horma::io::{self, JobFile, OutputSet, Overwrite, Reading};
+use horma::io::{self, OutputSet, Overwrite, Reading};
 use horma::machine::Machine;
-use horma::progress::Progress;
-use horma::tool::Tool;
-use horma::workflow::cam::{CamError, CamOptions, Job, Plan, plan};
+use horma::workflow::cam::{CamOptions, Job, Plan, is_one_program, plan, rough, rough_and_finish};
 use std::path::{Path, PathBuf};
 
 /// Compute the program that cuts a part, and a report beside it.
@@ -20,6 +19,7 @@ use std::path::{Path, PathBuf};
 For example:
   horma cam last.stl -m last-lathe -o last.ngc
   horma cam last.stl -m last-lathe --mirror --scallop 0.03 --allowance 1 -o right.ngc
+  horma cam last.stl -m mill-rotary --rough-with flat-12 --block cylinder:60 -o last.ngc
   horma cam --job last.toml")]
 pub(crate) struct CamArgs {
     /// The part: STL, PLY, OBJ, glTF/GLB, PCD, points or a section grid.
@@ -49,24 +49,22 @@ pub(crate) struct CamArgs {
     options: CamOptions,
 }
 
-impl CamArgs {
-    /// The unit the part's file is said to be in.
-    pub(crate) fn units(&self) -> Option<LengthUnit> {
-        self.units
-    }
-}
-
 /// Plans the cut and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
-    run_with(args, shell, plan)
+    run_for(Aim::Finish, args, shell)
 }
 
-/// Makes a plan of what the arguments ask for, and writes it.
-pub(crate) fn run_with(
-    args: &CamArgs,
-    shell: &Shell,
-    plan: impl FnOnce(Job, &dyn Progress) -> Result<Plan, CamError>,
-) -> anyhow::Result<()> {
+/// What is asked for.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Aim {
+    /// A part roughed with room for finishing.
+    Rough,
+    /// A finished part, roughed first if that is asked for.
+    Finish,
+}
+
+/// Makes what the arguments ask for, and writes it.
+pub(crate) fn run_for(aim: Aim, args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
     let job = args.job.as_deref().map(io::read_job).transpose()?.unwrap_or_default();
     let part = given(
         args.part.as_ref(),
@@ -79,31 +77,68 @@ pub(crate) fn run_with(
     let machine = io::read_machine(&machine)?;
     let options = args.options.over(&job.options);
     let dialect = io::read_dialect(options.dialect.as_deref().unwrap_or(&machine.dialect))?;
-    let tool = tool(args, &job, &options, &machine)?;
-    let reading = io::read_surface(&part, args.units.or(job.units))?;
-    let outputs = Outputs::checked(&output, args.force)?;
+    let library = io::read_tools(args.tools.as_deref().or(job.tools.as_deref()))?;
+    let tool = library.find(options.tool.as_deref().unwrap_or(&machine.default_tool))?;
+    let before = options.rough_with.as_deref().map(|name| library.find(name)).transpose()?;
+    let units = args.units.or(job.units);
+    let is_roughed = aim == Aim::Rough || before.is_some();
+    let block = is_roughed.then(|| read_block(options.block(), units)).transpose()?;
+    let is_split = before.as_ref().is_some_and(|before| !is_one_program(&machine, before, &tool));
+    let outputs = checked_outputs(&output, is_split, args.force)?;
+    let reading = io::read_surface(&part, units)?;
     let bar = shell.progress();
-    let planned = plan(
-        Job {
-            name: part.file_name().unwrap_or(part.as_os_str()).to_string_lossy().into_owned(),
-            notes: notes(&reading),
-            surface: reading.surface,
-            machine: &machine,
-            tool,
-            dialect: &dialect,
-            options: &options,
-            keep_scene: !args.no_pictures && !outputs.is_stream,
-        },
-        &bar,
-    )
-    .with_context(|| format!("while cutting {}", part.display()))?;
-    outputs.write(&planned)?;
+    let job = Job {
+        name: part.file_name().unwrap_or(part.as_os_str()).to_string_lossy().into_owned(),
+        notes: notes(&reading),
+        surface: reading.surface,
+        machine: &machine,
+        tool,
+        dialect: &dialect,
+        options: &options,
+        keep_scene: !args.no_pictures && !outputs[0].is_stream,
+    };
+    let planned = match (block, before) {
+        (Some(block), _) if aim == Aim::Rough => rough(job, &block, &bar).map(|plan| vec![plan]),
+        (Some(block), Some(tool)) => rough_and_finish(job, tool, &block, &bar),
+        _ => plan(job, &bar).map(|plan| vec![plan]),
+    };
+    let planned = planned.with_context(|| format!("while cutting {}", part.display()))?;
+    let mut files = OutputSet::new(outputs[0].overwrite);
+    for (outputs, planned) in outputs.iter().zip(&planned) {
+        outputs.add_to(&mut files, planned)?;
+    }
+    files.commit()?;
     drop(bar);
-    if outputs.is_stream {
+    if outputs[0].is_stream {
         return Ok(());
     }
-    let text = cam_summary(&planned.report) + "\n" + &outputs.in_words(&machine, &planned);
-    shell.report(&planned.report, &text)
+    let told = outputs.iter().zip(&planned).map(|(outputs, planned)| {
+        cam_summary(&planned.report) + "\n" + &outputs.in_words(&machine, planned)
+    });
+    let text = told.collect::<Vec<_>>().join("\n\n");
+    match &planned[..] {
+        [one] => shell.report(&one.report, &text),
+        several => {
+            shell.report(&several.iter().map(|plan| &plan.report).collect::<Vec<_>>(), &text)
+        }
+    }
+}
+
+/// The files of one program; or of two, the first of which roughs.
+fn checked_outputs(output: &Path, is_split: bool, force: bool) -> anyhow::Result<Vec<Outputs>> {
+    let finishing = Outputs::checked(output, force)?;
+    if !is_split {
+        return Ok(vec![finishing]);
+    }
+    if finishing.is_stream {
+        let text = "this machine has its tools changed between programs, and two programs cannot go to \
+                    standard output; name a file";
+        return Err(Usage(text.to_owned()).into());
+    }
+    let extension = output.extension().unwrap_or_default().to_string_lossy();
+    let extension = format!("rough.{extension}");
+    let roughing = output.with_extension(extension.trim_end_matches('.'));
+    Ok(vec![Outputs::checked(&roughing, force)?, finishing])
 }
 
 /// What the command line says, else the job file.
@@ -115,16 +150,6 @@ fn given<T: Clone>(
 ) -> anyhow::Result<T> {
     let missing = || Usage(format!("{what} is missing; give it, as in: {example}")).into();
     flag.or(job).cloned().ok_or_else(missing)
-}
-
-fn tool(
-    args: &CamArgs,
-    job: &JobFile,
-    options: &CamOptions,
-    machine: &Machine,
-) -> anyhow::Result<Tool> {
-    let library = io::read_tools(args.tools.as_deref().or(job.tools.as_deref()))?;
-    Ok(library.find(options.tool.as_deref().unwrap_or(&machine.default_tool))?)
 }
 
 /// How the part was read, for the report.
@@ -163,8 +188,14 @@ impl Outputs {
 
     /// All three, or none.
     pub(crate) fn write(&self, planned: &Plan) -> anyhow::Result<()> {
-        let [_, json, page] = self.paths();
         let mut files = OutputSet::new(self.overwrite);
+        self.add_to(&mut files, planned)?;
+        Ok(files.commit()?)
+    }
+
+    /// Adds all three to what is written together.
+    fn add_to(&self, files: &mut OutputSet, planned: &Plan) -> anyhow::Result<()> {
+        let [_, json, page] = self.paths();
         for (path, text) in self.programs(planned) {
             files.add(&path, |out| out.write_all(text))?;
         }
@@ -174,7 +205,7 @@ impl Outputs {
             files.add(&json, |out| out.write_all(&report))?;
             files.add(&page, |out| out.write_all(shown.as_bytes()))?;
         }
-        Ok(files.commit()?)
+        Ok(())
     }
 
     /// The program, or its parts in files with numbers of their own; a stream takes it whole.

@@ -73,7 +73,8 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     };
     let bar = shell.progress();
     let bar_of_wood = Block::Cylinder { radius: None };
-    let roughed = rough(job(), &bar_of_wood, Some(DEPTH), &bar)
+    let for_roughing = CamOptions { max_depth: Some(DEPTH), ..options.clone() };
+    let roughed = rough(Job { options: &for_roughing, ..job() }, &bar_of_wood, &bar)
         .context("while roughing the demonstration's last")?;
     let planned = plan(job(), &bar).context("while cutting the demonstration's last")?;
     let verified = verify(

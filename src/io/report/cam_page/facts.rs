@@ -56,6 +56,8 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
     ));
     if let Some(rough) = &report.rough {
         facts.push(fact("Roughed from", rough.block.clone()));
+        facts.push(fact("Roughed with", tool(&rough.tool)));
+        facts.push(fact("Left by roughing", format!("{} mm", fine(rough.allowance))));
         facts.push(fact("Layers", rough.n_layers));
         facts.push(fact("Deepest cut", format!("{} mm", fine(rough.max_depth))));
         facts.push(fact("Cuts", format!("{}, a link before each", count(rough.n_cuts))));
@@ -114,6 +116,13 @@ pub(super) fn program(program: &CheckReport) -> Vec<Block> {
             ),
         ),
         fact("Seconds spent on", program.planned),
+    ];
+    facts.extend(program.several_operations().iter().map(|operation| {
+        let tool = operation.tool.map_or("the tool".to_owned(), |number| format!("T{number}"));
+        let (clock, planned) = (clock(operation.planned.total()), operation.planned);
+        fact(&format!("With {tool}, from line {}", operation.line), format!("{clock}: {planned}"))
+    }));
+    facts.extend([
         fact("Blocks", format!("{}, {} moves", count(program.n_blocks), count(program.n_moves))),
         fact(
             "Way of the linear axes",
@@ -122,7 +131,7 @@ pub(super) fn program(program: &CheckReport) -> Vec<Block> {
                 program.feed_distance_mm, program.rapid_distance_mm
             ),
         ),
-    ];
+    ]);
     facts.extend(program.block_rate.map(|rate| {
         let most = format!(
             "up to {:.0} a second (line {}); the control reads {:.0}",

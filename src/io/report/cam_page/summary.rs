@@ -42,6 +42,12 @@ pub fn cam_summary(report: &CamReport) -> String {
     lines.add("program", format!("{} blocks", count(program.n_blocks)));
     let (total, cutting) = (clock(program.planned.total()), clock(program.planned.cutting));
     lines.add("time", format!("{total}, {cutting} of it cutting (h:mm:ss)"));
+    for operation in program.several_operations() {
+        let (total, cutting) = (clock(operation.planned.total()), clock(operation.planned.cutting));
+        let tool = operation.tool.map_or("tool".to_owned(), |number| format!("T{number}"));
+        let line = operation.line;
+        lines.add("", format!("{tool} from line {line}: {total}, {cutting} of it cutting"));
+    }
     for note in &part.notes {
         lines.add("note", note);
     }
@@ -57,7 +63,8 @@ pub fn cam_summary(report: &CamReport) -> String {
 
 fn rough(rough: &RoughReport) -> String {
     format!(
-        "from {}: {} layers of at most {} mm, {} cuts, {} positions",
+        "with {} from {}: {} layers of at most {} mm, {} cuts, {} positions",
+        rough.tool[0],
         rough.block,
         rough.n_layers,
         fine(rough.max_depth),
