@@ -6,9 +6,9 @@
 use super::operation::{OperationTime, Start};
 use super::{Step, StepKind, way};
 use crate::cam::{
-    Cause, Drive, Limit, Motion, Slowdowns, Slowed, Spot, Timing, drives, time_motion,
+    Cause, Drive, Limit, Motion, Slow, Slowdowns, Slowed, Spot, Timing, drives, time_motion,
 };
-use crate::machine::{MAX_AXES, Machine};
+use crate::machine::{AxisKind, MAX_AXES, Machine};
 use serde::Serialize;
 use std::fmt;
 
@@ -162,7 +162,9 @@ impl<'a> Stopwatch<'a> {
 
     fn take_slowed(&mut self, timings: &[Timing]) {
         let letter = |axis: usize| self.machine.axes[axis].letter;
-        for ((asked, timing), &line) in self.least.iter().zip(timings).zip(&self.lines) {
+        let ways = self.ways.chunks_exact(self.drives.len().clamp(1, MAX_AXES));
+        let moves = self.least.iter().zip(timings).zip(&self.lines).zip(ways);
+        for (((asked, timing), &line), ways) in moves {
             let cause = match timing.limit {
                 // The feed itself: the rest is its ramps.
                 Limit::Least => continue,
@@ -170,8 +172,18 @@ impl<'a> Stopwatch<'a> {
             };
             // A velocity beyond the limit is a violation, told line by line.
             if !matches!(cause, Cause::Velocity { .. }) {
-                self.slowed.take(*asked, timing.seconds, cause, || Spot::Line { line });
+                let way = self.fed_way(ways);
+                let slow = Slow { cause, asked: *asked, taken: timing.seconds, way };
+                self.slowed.take(slow, || Spot::Line { line });
             }
         }
+    }
+
+    /// The way of a move; none where the part turns, since what the tool then does on the part is not
+    /// known from the program.
+    fn fed_way(&self, ways: &[f64]) -> Option<f64> {
+        let axes = || self.machine.axes.iter().zip(ways);
+        let turns = axes().any(|(axis, way)| axis.kind == AxisKind::Rotary && *way != 0.0);
+        (!turns).then(|| axes().map(|(_, way)| way * way).sum::<f64>().sqrt())
     }
 }

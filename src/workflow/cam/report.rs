@@ -9,6 +9,9 @@ use crate::gcode::CheckReport;
 use crate::geom::Surface;
 use serde::Serialize;
 
+/// More than this left by lifts is worth a warning [mm].
+const MUCH_LEFT: f64 = 0.5;
+
 /// The report of one job. Lengths in millimetres, angles in degrees, times in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -242,6 +245,9 @@ impl CamReport {
                  how deep"
                 .into());
         }
+        if let Some(left) = self.certificate.as_ref().and_then(left_by_lifts) {
+            say(left);
+        }
         for end in &self.setup.loose {
             say(format!(
                 "most of the {end} stub misses the part and holds it badly: try --centre ends or \
@@ -289,5 +295,44 @@ impl CamReport {
                 rate.line, rate.highest, rate.limit
             ));
         }
+    }
+}
+
+/// What lifts that follow each other leave standing, if it is much.
+fn left_by_lifts(certificate: &Certificate) -> Option<String> {
+    let Certificate { n_lifts, greatest_lift, left_by_lifts, .. } = certificate;
+    if *left_by_lifts <= MUCH_LEFT {
+        return None;
+    }
+    let at = greatest_lift.and_then(|lift| lift.at);
+    let at = at.map_or_else(String::new, |[x, y, z]| {
+        format!(", the highest lift at {x:.1}, {y:.1}, {z:.1} of the part set up")
+    });
+    Some(format!(
+        "up to {left_by_lifts:.2} mm are left where the tool stays lifted over shoulders ({n_lifts} \
+         lifts{at}): take a tool with a smaller nose, more positions a turn or a smaller --min-step"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cam::Lift;
+
+    #[test]
+    fn material_left_by_lifts_is_warned_of_where_it_is_much() {
+        let lift = Lift { rise: 2.0, at: Some([10.0, 2.0, 3.25]) };
+        let certificate = Certificate {
+            n_lifts: 4,
+            greatest_lift: Some(lift),
+            left_by_lifts: 0.8,
+            ..Certificate::default()
+        };
+        let told = left_by_lifts(&certificate).unwrap();
+        let expected = "up to 0.80 mm are left where the tool stays lifted over shoulders (4 lifts, the \
+                        highest lift at 10.0, 2.0, 3.2 of the part set up): ";
+        assert!(told.starts_with(expected) && told.contains("--min-step"), "{told}");
+        let little = Certificate { left_by_lifts: 0.4, ..certificate };
+        assert_eq!(left_by_lifts(&little), None);
     }
 }
