@@ -24,7 +24,7 @@ pub fn rough_and_finish(
         let tools = [tool.name, job.tool.name];
         return Err(CamError::SameNumber { tools, number: tool.number });
     }
-    let for_roughing = options.for_roughing(block);
+    let for_roughing = options.for_roughing();
     let before = Job { tool, options: &for_roughing, ..job.clone() };
     let roughing = roughing(before, block, progress)?;
     let finishing = finishing(job, progress)?;

@@ -8,6 +8,7 @@ use crate::gcode::{Dialect, PostError, SplitError};
 use crate::geom::{Point3, Surface};
 use crate::machine::{Machine, MachineError};
 use crate::progress::Cancelled;
+use crate::stock::StockError;
 use crate::tool::{Tool, ToolError};
 
 /// What a job is made from.
@@ -113,6 +114,27 @@ pub enum CamError {
     /// The block is none.
     #[error(transparent)]
     Block(#[from] BlockError),
+    /// A rapid between two cuts comes too near to the stock.
+    #[error(
+        "move {i_move} of roughing is a rapid to {axis} {word:.1} that needs {clearance:.1} mm of clearance \
+         and goes {depth:.2} mm into the stock as it stands then (less than 0: near it): a block with \
+         hollows is taken as filled, so rough it from a box or a cylinder; else this is a bug in horma"
+    )]
+    Link {
+        /// The move, counted from 0.
+        i_move: usize,
+        /// The attack axis.
+        axis: char,
+        /// Its word where the rapid ends [mm].
+        word: f64,
+        /// How deep the tool goes into the stock; less than 0 if it only comes near [mm].
+        depth: f64,
+        /// What it must keep clear by [mm].
+        clearance: f64,
+    },
+    /// The stock cannot be told.
+    #[error(transparent)]
+    Stock(#[from] StockError),
     /// The program read back is not the path it was made from: our fault.
     #[error("the program read back leaves the path at move {i_move}: this is a bug in horma")]
     ReadBack {

@@ -3,16 +3,18 @@
 use super::cutting::Cutting;
 use super::ground::Ground;
 use super::job::{CamError, Job, Plan};
+use super::links::prove_links;
 use super::operation::{Made, Operation, program};
 use super::report::{RoughReport, RunReport};
-use crate::cam::{Block, Contact, Digitizer, Part, Pass, RoughOptions, Roughing, within};
+use crate::cam::{Block, Contact, Digitizer, Part, Pass, RoughOptions, Roughing, Setup, within};
+use crate::geom::{Surface, TriMesh};
 use crate::machine::Clamping;
 use crate::progress::Progress;
 
 /// Makes the program that brings `block` down to the part of `job` and its allowance, in layers.
 pub fn rough(job: Job, block: &Block, progress: &dyn Progress) -> Result<Plan, CamError> {
     let Job { machine, dialect, .. } = job;
-    let options = &job.options.for_rough(block)?;
+    let options = &job.options.for_rough()?;
     let operation = roughing(Job { options, ..job }, block, progress)?;
     program(vec![operation], machine, dialect, options)
 }
@@ -30,8 +32,9 @@ pub(super) fn roughing(
     let way = ground.way(progress)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
     let contacts = ground.contacts(way.n_positions(), pose, progress)?;
-    let of_block = Part::triangles(&block.around(&ground.setup, machine, allowance)?);
-    let on_block = Digitizer { part: &of_block, cutter: bare, ..ground.digitizer() };
+    let block = block.sized(&ground.setup, machine, allowance)?;
+    let raw = with_clamps(block.around(&ground.setup, machine, allowance)?, &ground.setup);
+    let on_block = Digitizer { part: &Part::triangles(&raw), cutter: bare, ..ground.digitizer() };
     let [on_part, on_block] =
         [&contacts, &on_block.run(way.n_positions(), pose, progress)?].map(|found| heights(found));
 
@@ -54,12 +57,14 @@ pub(super) fn roughing(
         turning: endless_axis(&ground),
     };
     let Pass { path, feed } = cutting.toolpath(progress)?;
+    let links = prove_links(&ground, &raw, &path, progress)?;
     let held_heights = ground.heights(&contacts, clear)?;
     let mut run = RunReport::new(&ground, &way, &held_heights);
     run.held = feed.clone();
     let shown = ground.keep_scene.then(|| (cutting.path(), held_heights.thinned()));
     let rough = RoughReport {
         block: block.to_string(),
+        shape: block.shorthand(),
         tool: [ground.tool.name.clone(), ground.tool.profile.to_string()],
         max_depth,
         allowance,
@@ -67,6 +72,7 @@ pub(super) fn roughing(
         n_cuts: layers.cuts.len(),
         n_positions: layers.cuts.iter().map(|cut| cut.positions.len()).sum(),
         held: feed,
+        links,
     };
     Ok(ground.operation(Made {
         path,
@@ -81,6 +87,15 @@ pub(super) fn roughing(
 
 fn heights(contacts: &[Option<Contact>]) -> Vec<Option<f64>> {
     contacts.iter().map(|contact| contact.map(|contact| contact.height)).collect()
+}
+
+/// The raw block, and what holds it: no link may go through a clamp that stands out of it.
+fn with_clamps(mut block: TriMesh, setup: &Setup) -> TriMesh {
+    if let Surface::Mesh(part) = &setup.surface {
+        let clamps = part.triangles[setup.n_own..].to_vec();
+        block.append(TriMesh::new(part.points.clone(), clamps));
+    }
+    block
 }
 
 /// The attack word at which the tool is clear of the part and of its block.

@@ -1,7 +1,9 @@
 //! The tables of the page.
 
 use super::super::{Block, Table};
-use super::words::{clock, count, fine, pitch, proof, proved, range, reached, strategy, tool};
+use super::words::{
+    clear, clock, count, fine, pitch, proof, proved, range, reached, strategy, tool,
+};
 use crate::cam::{FeedReport, ReachReport, Strategy};
 use crate::gcode::CheckReport;
 use crate::workflow::cam::CamReport;
@@ -62,6 +64,7 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
         facts.push(fact("Deepest cut", format!("{} mm", fine(rough.max_depth))));
         facts.push(fact("Cuts", format!("{}, a link before each", count(rough.n_cuts))));
         facts.push(fact("Positions of all cuts", count(rough.n_positions)));
+        facts.extend(rough.links.as_ref().map(|links| fact("Rapids", clear(links))));
     }
     vec![Block::Facts(facts)]
 }

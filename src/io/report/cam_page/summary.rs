@@ -1,6 +1,8 @@
 //! A cam report in a dozen lines for the terminal.
 
-use super::words::{clock, count, fine, pitch, proved, range, reached_percent, strategy, tool};
+use super::words::{
+    clear, clock, count, fine, pitch, proved, range, reached_percent, strategy, tool,
+};
 use crate::cam::{Certificate, ReachReport, Strategy};
 use crate::gcode::AxisBounds;
 use crate::workflow::cam::{CamReport, RoughReport, RunReport};
@@ -28,6 +30,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     lines.add("run", run(&report.run));
     if let Some(rough) = &report.rough {
         lines.add("rough", self::rough(rough));
+        if let Some(links) = &rough.links {
+            lines.add("rapids", clear(links));
+        }
     }
     if let Some(certificate) = &report.certificate {
         lines.add("proof", proof(certificate));

@@ -1,7 +1,6 @@
 //! What roughing is told, alone and before finishing.
 
 use super::{CamOptions, OptionsError};
-use crate::cam::Block;
 
 /// Left for finishing where nothing is said [mm].
 const ALLOWANCE: f64 = 1.0;
@@ -28,7 +27,7 @@ impl CamOptions {
     }
 
     /// The options of a program that roughs alone, with what is usual where they say nothing.
-    pub(in crate::workflow::cam) fn for_rough(&self, block: &Block) -> Result<Self, OptionsError> {
+    pub(in crate::workflow::cam) fn for_rough(&self) -> Result<Self, OptionsError> {
         let alone = Self { block: None, max_depth: None, ..self.clone() };
         if alone.for_finishing() != alone {
             return Err(OptionsError::Conflict(
@@ -39,21 +38,19 @@ impl CamOptions {
         Ok(Self {
             allowance: Some(self.allowance.unwrap_or(ALLOWANCE)),
             pitch: self.pitch.or(self.scallop.is_none().then_some(PITCH)),
-            block: self.block.clone().or_else(|| block.shorthand()),
             ..self.clone()
         })
     }
 
     /// The options of the roughing before the finishing these are of: the part is set up and spoken
     /// about in the same way, but the tool runs as it usually does.
-    pub(in crate::workflow::cam) fn for_roughing(&self, block: &Block) -> Self {
+    pub(in crate::workflow::cam) fn for_roughing(&self) -> Self {
         let left = self.allowance.unwrap_or(0.0) + self.rough_allowance.unwrap_or(ALLOWANCE);
         Self {
             tool: self.rough_with.clone(),
             strategy: self.rough_strategy.or(self.strategy),
             pitch: Some(self.rough_pitch.unwrap_or(PITCH)),
             allowance: Some(left),
-            block: self.block.clone().or_else(|| block.shorthand()),
             points_per_turn: None,
             step: None,
             points_per_mm: None,
@@ -107,12 +104,10 @@ mod tests {
 
     #[test]
     fn roughing_before_finishing_sets_the_part_up_alike_and_runs_in_its_own_way() {
-        let block = Block::Box { margin: 3.0 };
-        let rough = both().for_roughing(&block);
+        let rough = both().for_roughing();
         assert_eq!((rough.mirror, rough.tool.as_deref()), (true, Some("flat-12")));
         assert_eq!((rough.pitch, rough.allowance, rough.feed), (Some(3.0), Some(1.2), None));
-        assert_eq!((rough.block.as_deref(), rough.max_depth), (Some("box:3"), Some(5.0)));
-        assert_eq!(rough.rough_with, None);
+        assert_eq!((rough.max_depth, rough.rough_with), (Some(5.0), None));
     }
 
     #[test]
@@ -120,11 +115,10 @@ mod tests {
         let told = both().check_finishing().unwrap_err().to_string();
         assert!(told.contains("name its tool with --rough-with"), "{told}");
         assert!(both().for_finishing().check_finishing().is_ok());
-        let block = Block::Cylinder { radius: None };
-        let told = both().for_rough(&block).unwrap_err().to_string();
+        let told = both().for_rough().unwrap_err().to_string();
         assert!(told.contains("horma rough takes --tool"), "{told}");
         let alone = CamOptions { max_depth: Some(5.0), ..CamOptions::default() };
-        let rough = alone.for_rough(&block).unwrap();
+        let rough = alone.for_rough().unwrap();
         assert_eq!((rough.block(), rough.pitch, rough.allowance), (BLOCK, Some(4.0), Some(1.0)));
     }
 }
