@@ -167,6 +167,34 @@ fn roughing_on_a_tilted_table_stays_over_the_part_and_tells_of_the_table() {
 }
 
 #[test]
+fn roughing_of_a_part_that_stands_tilted_spares_the_table_beside_it() {
+    let machine = Machine::builtin("mill-5axis").unwrap();
+    let options = CamOptions {
+        pitch: Some(4.0),
+        tool: Some(format!("ball:{BALL}")),
+        hold: vec!["A=30".into()],
+        ..Default::default()
+    };
+    let job = Job {
+        name: "column".into(),
+        surface: Surface::Mesh(column()),
+        notes: Vec::new(),
+        machine: &machine,
+        tool: ToolLibrary::builtin().find(&format!("ball:{BALL}")).unwrap(),
+        dialect: &Dialect::named(&machine.dialect).unwrap(),
+        options: &options,
+        keep_scene: false,
+    };
+    let roughed = rough(job, &Block::Box { margin: 8.0 }, &Silent).unwrap();
+    for mut words in feed_words(&roughed, "mill-5axis") {
+        (words[3], words[4]) = (words[3].to_radians(), words[4].to_radians());
+        let middle = Point3::from(machine.tool_point(&words)) + Vector3::new(0.0, 0.0, BALL);
+        let seen = machine.machine_from_part(&words).inverse() * middle;
+        assert!(BALL - 1e-3 <= seen.z, "the ball's middle is {} mm over the table", seen.z);
+    }
+}
+
+#[test]
 fn a_level_table_is_told_to_tilt() {
     let options = CamOptions { strategy: Some(Strategy::Helix), ..Default::default() };
     let error = try_cut(Surface::Mesh(column()), "mill-5axis", &options).unwrap_err().to_string();

@@ -8,7 +8,7 @@ use super::ground::Ground;
 use super::job::CamError;
 use super::report::LinkReport;
 use crate::cam::{Move, Pace, Toolpath};
-use crate::geom::{Aabb, TriMesh};
+use crate::geom::{Aabb, TriMesh, Vector3};
 use crate::machine::{AxisValues, Machine};
 use crate::progress::{Progress, Silent};
 use crate::stock::{Layout, Resolution, Stock, Sweep};
@@ -32,12 +32,8 @@ pub(super) fn prove_links(
     };
     let machine = ground.machine();
     let resolution = RESOLUTION.min(machine.clearance / 4.0);
-    let layout = Layout::new(
-        machine,
-        &first.to,
-        &Aabb::around(&block.points),
-        Resolution::even(resolution),
-    )?;
+    let space = space(ground, block, path, &first.to);
+    let layout = Layout::new(machine, &first.to, &space, Resolution::even(resolution))?;
     let mut proof = Proof {
         machine,
         cutter: ground.tool.profile.cutter(0.0),
@@ -48,6 +44,25 @@ pub(super) fn prove_links(
     let n_rapids = proof.follow(&path.moves, progress)?;
     let clearance = proof.clearance;
     Ok(Some(LinkReport { n_rapids, clearance, resolution }))
+}
+
+/// The block, and on a table all that lies beneath it down to where the tool is looked for: a ray says
+/// of a tool below its foot that it went through.
+fn space(ground: &Ground, block: &TriMesh, path: &Toolpath, at: &AxisValues) -> Aabb {
+    let machine = ground.machine();
+    let space = Aabb::around(&block.points);
+    if machine.spindle.is_some() {
+        return space;
+    }
+    let attack_from_part = machine.attack_from_part(at);
+    let bottom = block.points.iter().map(|point| (attack_from_part * point).y);
+    let bottom = bottom.fold(f64::INFINITY, f64::min);
+    let axis = &machine.axes[machine.attack];
+    let heights = path.moves.iter().map(|step| axis.motion(step.to[machine.attack]));
+    let below = machine.clearance + ground.tool.profile.cutter(0.0).reach().top + 1.0;
+    let lowest = heights.fold(f64::INFINITY, f64::min) - below;
+    let down = attack_from_part.rotation.inverse() * -Vector3::y() * (bottom - lowest).max(0.0);
+    block.points.iter().fold(space, |space, point| space.with(&(point + down)))
 }
 
 struct Proof<'a> {

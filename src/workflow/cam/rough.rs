@@ -7,9 +7,14 @@ use super::links::prove_links;
 use super::operation::{Made, Operation, program};
 use super::report::{RoughReport, RunReport};
 use crate::cam::{Block, Contact, Digitizer, Part, Pass, RoughOptions, Roughing, Setup, within};
-use crate::geom::{Surface, TriMesh};
+use crate::geom::{Aabb, Point3, Surface, TriMesh, Vector3};
 use crate::machine::Clamping;
 use crate::progress::Progress;
+
+/// A table whose cosine to the attack axis is off 1 by no more lies level.
+const LEVEL: f64 = 1e-9;
+/// Half the side of what stands for a table: no machine has a larger one [mm].
+const WIDE: f64 = 2000.0;
 
 /// Makes the program that brings `block` down to the part of `job` and its allowance, in layers.
 pub fn rough(job: Job, block: &Block, progress: &dyn Progress) -> Result<Plan, CamError> {
@@ -35,16 +40,25 @@ pub(super) fn roughing(
     let block = block.sized(&ground.setup, machine, allowance)?;
     let raw = with_clamps(block.around(&ground.setup, machine, allowance)?, &ground.setup);
     let on_block = Digitizer { part: &Part::triangles(&raw), cutter: bare, ..ground.digitizer() };
-    let [on_part, on_block] =
+    let [mut on_part, on_block] =
         [&contacts, &on_block.run(way.n_positions(), pose, progress)?].map(|found| heights(found));
+    let table = tilted_table(&ground);
+    if let Some(table) = &table {
+        let on_table = Digitizer { part: &Part::triangles(table), ..ground.digitizer() };
+        let on_table = on_table.run(way.n_positions(), pose, progress)?;
+        for (spared, table) in on_part.iter_mut().zip(heights(&on_table)) {
+            *spared = [*spared, table].into_iter().flatten().reduce(f64::max);
+        }
+    }
 
     let max_depth = options.max_depth.unwrap_or_else(|| ground.depth_of_cut());
-    let is_on_table = machine.clamping == Clamping::Table && ground.run.line.is_none();
+    // A table that is among what the tool spares is no floor.
+    let is_spared = table.is_some() || ground.run.line.is_some();
+    let has_floor = machine.clamping == Clamping::Table && !is_spared;
     let rough_options = RoughOptions {
         max_depth,
         clearance: machine.clearance,
-        // A table that turns the part is a part of what the tool spares.
-        floor: if is_on_table { 0.0 } else { f64::NEG_INFINITY },
+        floor: if has_floor { 0.0 } else { f64::NEG_INFINITY },
     };
     let layers = Roughing::new(&on_part, &on_block, way.per_row() as usize, &rough_options)?;
     let clear = clear_of(&ground, &on_block)?;
@@ -96,6 +110,23 @@ fn with_clamps(mut block: TriMesh, setup: &Setup) -> TriMesh {
         block.append(TriMesh::new(part.points.clone(), clamps));
     }
     block
+}
+
+/// The top of the table under a part that stands tilted but is not turned there. Beside the part the
+/// tool would go down to the lowest layer, and the table rises above that; of one that lies level it is
+/// enough to know the height, and one that turns the part is among what the tool spares.
+fn tilted_table(ground: &Ground) -> Option<TriMesh> {
+    let (machine, rest) = (ground.machine(), &ground.run.stand.rest);
+    let up = machine.attack_from_part(rest).rotation * Vector3::z();
+    let is_level = up.y > 1.0 - LEVEL;
+    if machine.clamping != Clamping::Table || ground.run.line.is_some() || is_level {
+        return None;
+    }
+    let Aabb { min, .. } = ground.setup.part;
+    let middle = ground.setup.part.center();
+    let corner = |x: f64, y: f64| Point3::new(middle.x + x * WIDE, middle.y + y * WIDE, min.z);
+    let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    Some(TriMesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]))
 }
 
 /// The attack word at which the tool is clear of the part and of its block.
