@@ -76,9 +76,7 @@ impl Block {
         let is_bar = machine.spindle.is_some();
         match self {
             Self::Cylinder { radius } => {
-                let line = machine
-                    .spindle
-                    .map_or_else(|| setup.part.center(), |spindle| machine.axes[spindle].point);
+                let line = line(setup, machine);
                 let radius = round(*radius, swing(setup, &line, is_bar), allowance)?;
                 Ok(if is_bar {
                     let [from, to] = setup.stretch;
@@ -110,6 +108,28 @@ impl Block {
                 let mesh = if setup.is_mirrored { mesh.mirrored() } else { mesh };
                 Ok(mesh.moved(&setup.machine_from_file))
             }
+        }
+    }
+
+    /// The same block with the radius it has around the part as it is set up.
+    pub fn sized(
+        &self,
+        setup: &Setup,
+        machine: &Machine,
+        allowance: f64,
+    ) -> Result<Self, BlockError> {
+        let Self::Cylinder { radius } = self else { return Ok(self.clone()) };
+        let swing = swing(setup, &line(setup, machine), machine.spindle.is_some());
+        Ok(Self::Cylinder { radius: Some(round(*radius, swing, allowance)?) })
+    }
+
+    /// As the command line has it, `cylinder:60`; `None` of bodies, which are named by their file.
+    pub fn shorthand(&self) -> Option<String> {
+        match self {
+            Self::Cylinder { radius: None } => Some("cylinder".to_owned()),
+            Self::Cylinder { radius: Some(radius) } => Some(format!("cylinder:{radius}")),
+            Self::Box { margin } => Some(format!("box:{margin}")),
+            Self::Mesh(_) => None,
         }
     }
 
@@ -173,6 +193,11 @@ fn round(given: Option<f64>, swing: f64, allowance: f64) -> Result<f64, BlockErr
         return Err(size("radius", radius, "above 0"));
     }
     if radius < needed { Err(BlockError::Small { needed, allowance, radius }) } else { Ok(radius) }
+}
+
+/// A point of the spindle axis; the middle of the part where there is no spindle.
+fn line(setup: &Setup, machine: &Machine) -> Point3 {
+    machine.spindle.map_or_else(|| setup.part.center(), |spindle| machine.axes[spindle].point)
 }
 
 /// The greatest distance of the part from the line along X, or upright, through `line`.

@@ -25,8 +25,8 @@ pub use fit::{FitError, clear_word, room_beside, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
 pub use rough::{Cut, RoughError, RoughOptions, Roughing};
 pub use schedule::{
-    Cause, Drive, FeedReport, Limit, Motion, Pass, PassOptions, Slowdowns, Slowed, Spot, Timing,
-    drives, pass, time_motion,
+    Cause, Drive, FeedReport, Limit, Motion, Pass, PassOptions, Slow, Slowdowns, Slowed, Spot,
+    Timing, drives, pass, time_motion,
 };
 pub use setup::{Centre, Setup, SetupError, SetupOptions, SpindleAxis, TABLE_GAP, set_up};
 pub use tilt::{TiltError, TurnLine};

@@ -23,7 +23,9 @@ mod scan;
 mod split;
 mod write;
 
-pub use check::{AxisBounds, BlockRate, CheckReport, PlannedTime, Violation, ViolationKind, check};
+pub use check::{
+    AxisBounds, BlockRate, CheckReport, OperationTime, PlannedTime, Violation, ViolationKind, check,
+};
 pub use dialect::{
     CommentStyle, Decimals, Dialect, DialectError, DwellWord, DwellWords, EndWord, FeedLength,
     FeedWords, InverseTime, Language, MillimetreWord, Numbering, Rotary, Smoothing, Tape, TimeUnit,

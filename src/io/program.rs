@@ -53,7 +53,7 @@ pub fn write_program(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{Clamping, Mount};
+    use crate::machine::{Clamping, Mount, ToolChanges};
 
     /// A machine without axes: enough for programs that move nothing.
     fn still_machine() -> Machine {
@@ -69,6 +69,7 @@ mod tests {
             default_tool: "none".into(),
             clearance: 0.0,
             blocks_per_second: 1000.0,
+            tool_changes: ToolChanges::default(),
             look_ahead_blocks: None,
         }
     }

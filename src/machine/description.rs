@@ -57,6 +57,7 @@ fn read(text: &str) -> Result<Machine, Flaw> {
         default_tool: file.default_tool.get_ref().clone(),
         clearance: positive("clearance", &file.clearance)?,
         blocks_per_second: positive("blocks-per-second", &file.blocks_per_second)?,
+        tool_changes: file.tool_changes,
         look_ahead_blocks: file.look_ahead_blocks.as_ref().map(look_ahead).transpose()?,
     };
     check_default_tool(&machine, &file.default_tool)?;

@@ -3,7 +3,7 @@
 //! Lengths are millimetres; what can be millimetres or degrees says which in its key. The values
 //! keep their place in the text, so that [`description`](super::description) can point at them.
 
-use super::{AxisKind, Carries, Mount};
+use super::{AxisKind, Carries, Mount, ToolChanges};
 use toml::Spanned;
 
 /// A whole machine.
@@ -20,6 +20,8 @@ pub(super) struct MachineFile {
     pub(super) default_tool: Spanned<String>,
     pub(super) clearance: Spanned<f64>,
     pub(super) blocks_per_second: Spanned<f64>,
+    #[serde(default)]
+    pub(super) tool_changes: ToolChanges,
     pub(super) look_ahead_blocks: Option<Spanned<i64>>,
     pub(super) axis: Vec<AxisFile>,
 }

@@ -43,6 +43,8 @@ pub struct Machine {
     pub clearance: f64,
     /// Blocks per second the control can read.
     pub blocks_per_second: f64,
+    /// Where tools are changed.
+    pub tool_changes: ToolChanges,
     /// Blocks the control plans at once, the running one included, 2 or more; `None` if they are
     /// so many that they slow nothing down.
     pub look_ahead_blocks: Option<usize>,
@@ -56,6 +58,18 @@ pub enum Mount {
     Across,
     /// Along the attack axis: an end mill.
     Along,
+}
+
+/// Where tools are changed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToolChanges {
+    /// Within a program, by the machine or by hand while it waits: operations with tools of their own
+    /// can follow each other in one program.
+    WithinPrograms,
+    /// Between programs alone: each program has one tool.
+    #[default]
+    BetweenPrograms,
 }
 
 /// How the part is held, and so which further surfaces the tool must spare.

@@ -9,10 +9,12 @@ O0012
 (X: 10.0000 to 34.5000 mm)
 (Y: 69.0000 to 100.0000 mm)
 (A: 0.0000 to 860.0000 deg)
-(time: 0:00:10 h, without acceleration)
+(time: 0:00:11 h, accelerations included)
+(of it with T7: 0:00:05 h)
+(of it with T8: 0:00:06 h)
 (moves: 28)
 (assumes at most 12.50 mm of stock)
-(taken up at line 28)
+(taken up at line 30)
 G21 G90 G94 G17 G40 G49 G80 G54
 G5.1 Q1
 G0 Y100.0

@@ -31,6 +31,7 @@ mod page;
 mod parts;
 mod programs;
 mod random_cases;
+mod rough_and_finish;
 mod roughing;
 mod rs274;
 mod schedule;

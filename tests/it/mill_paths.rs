@@ -1,10 +1,14 @@
 //! Runs of mills against closed forms: contour rings on a table, and around a part on a tilted one.
 
 use crate::jobs::{cut, feed_words, try_cut};
-use horma::cam::Strategy;
+use horma::cam::{Block, Strategy};
+use horma::gcode::Dialect;
 use horma::geom::{Point3, PointCloud, Surface, TriMesh, Vector3, shapes};
 use horma::machine::Machine;
-use horma::workflow::cam::CamOptions;
+use horma::progress::Silent;
+use horma::tool::ToolLibrary;
+use horma::workflow::cam::{CamOptions, Job, Plan, rough};
+use std::collections::HashMap;
 
 const BALL: f64 = 5.0;
 /// The facets of our round parts lie within this of the round ones [mm].
@@ -114,6 +118,79 @@ fn a_tilted_table_turns_a_column_under_the_tool_and_keeps_the_tool_off_itself() 
         // A tool held square to the part's axis does not come over its end.
         assert!(n_top > 20 || tilt == 90.0, "{tilt} {strategy:?}: {n_top} on the top");
         assert!(plan.report.warnings.iter().any(|warning| warning.contains("tilted table")));
+    }
+}
+
+#[test]
+fn roughing_on_a_tilted_table_stays_over_the_part_and_tells_of_the_table() {
+    let machine = Machine::builtin("mill-5axis").unwrap();
+    let options = CamOptions {
+        strategy: Some(Strategy::Lines),
+        allowance: Some(1.0),
+        pitch: Some(4.0),
+        points_per_turn: Some(60),
+        overrun: Some(15.0),
+        hold: vec!["A=20".into()],
+        ..Default::default()
+    };
+    let finished = cut(&column(), "mill-5axis", &options);
+    let job = Job {
+        name: "column".into(),
+        surface: Surface::Mesh(column()),
+        notes: Vec::new(),
+        machine: &machine,
+        tool: ToolLibrary::builtin().find(&machine.default_tool).unwrap(),
+        dialect: &Dialect::named(&machine.dialect).unwrap(),
+        options: &options,
+        keep_scene: false,
+    };
+    let roughed = rough(job, &Block::Cylinder { radius: Some(24.0) }, &Silent).unwrap();
+    // Both run the same way; where it is, and how high.
+    let heights = |plan: &Plan| {
+        let words = feed_words(plan, "mill-5axis").into_iter();
+        let place = |words: &[f64; 6]| {
+            [words[0], words[1], words[4].rem_euclid(360.0)]
+                .map(|word| (word * 100.0).round() as i64)
+        };
+        words.map(|words| (place(&words), words[2])).collect::<Vec<_>>()
+    };
+    let finished: HashMap<_, _> = heights(&finished).into_iter().collect();
+    let mut n_found = 0;
+    for (place, height) in heights(&roughed) {
+        if let Some(finished) = finished.get(&place) {
+            n_found += 1;
+            assert!(finished - 1e-3 <= height, "down to {height} at {place:?}, not to {finished}");
+        }
+    }
+    assert!(n_found > 1000, "{n_found}");
+    assert!(roughed.report.warnings.iter().any(|warning| warning.contains("tilted table")));
+}
+
+#[test]
+fn roughing_of_a_part_that_stands_tilted_spares_the_table_beside_it() {
+    let machine = Machine::builtin("mill-5axis").unwrap();
+    let options = CamOptions {
+        pitch: Some(4.0),
+        tool: Some(format!("ball:{BALL}")),
+        hold: vec!["A=30".into()],
+        ..Default::default()
+    };
+    let job = Job {
+        name: "column".into(),
+        surface: Surface::Mesh(column()),
+        notes: Vec::new(),
+        machine: &machine,
+        tool: ToolLibrary::builtin().find(&format!("ball:{BALL}")).unwrap(),
+        dialect: &Dialect::named(&machine.dialect).unwrap(),
+        options: &options,
+        keep_scene: false,
+    };
+    let roughed = rough(job, &Block::Box { margin: 8.0 }, &Silent).unwrap();
+    for mut words in feed_words(&roughed, "mill-5axis") {
+        (words[3], words[4]) = (words[3].to_radians(), words[4].to_radians());
+        let middle = Point3::from(machine.tool_point(&words)) + Vector3::new(0.0, 0.0, BALL);
+        let seen = machine.machine_from_part(&words).inverse() * middle;
+        assert!(BALL - 1e-3 <= seen.z, "the ball's middle is {} mm over the table", seen.z);
     }
 }
 

@@ -22,7 +22,7 @@ fn a_short_path_becomes_this_program() {
 (X: 10.0000 to 12.0000 mm)
 (Y: 70.0000 to 150.0000 mm)
 (A: -720.0000 to 0.0000 deg)
-(time: 0:00:07 h, without acceleration)
+(time: 0:00:07 h, accelerations included)
 (moves: 8)
 (assumes at most 12.50 mm of stock)
 G21 G90 G94 G17 G40 G49 G80
@@ -289,7 +289,7 @@ fn a_program_taken_up_in_its_midst_approaches_safely() {
 (X: 10.0000 to 12.0000 mm)
 (Y: 70.0000 to 150.0000 mm)
 (A: -720.0000 to 0.0000 deg)
-(time: 0:00:07 h, without acceleration)
+(time: 0:00:07 h, accelerations included)
 (moves: 8)
 (taken up at line 17)
 G21 G90 G94 G17 G40 G49 G80 G54

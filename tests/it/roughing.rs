@@ -22,6 +22,7 @@ fn roughed(
     max_depth: f64,
     options: &CamOptions,
 ) -> Result<Plan, CamError> {
+    let options = &CamOptions { max_depth: Some(max_depth), ..options.clone() };
     let machine = Machine::builtin("last-lathe").unwrap();
     let job = Job {
         name: "part".into(),
@@ -33,7 +34,7 @@ fn roughed(
         options,
         keep_scene: false,
     };
-    rough(job, block, Some(max_depth), &Silent)
+    rough(job, block, &Silent)
 }
 
 fn column() -> TriMesh {
@@ -133,6 +134,9 @@ fn cut_in_simulation_no_cut_is_too_deep_and_hardly_one_is_in_air() {
         [(Block::Cylinder { radius: Some(70.0) }, 0.10), (Block::Box { margin: 4.0 }, 0.25)];
     for (block, most_air) in blocks {
         let plan = roughed(&last, &block, DEPTH, &options()).unwrap();
+        let rough = plan.report.rough.as_ref().unwrap();
+        let links = rough.links.unwrap();
+        assert!(links.n_rapids > 2 * rough.n_cuts && links.clearance > 15.0, "{links:?}");
         let program = program_of(&plan, &machine);
         let setup = CamOptions { allowance: Some(1.0), ..options() };
         let verified = verify(

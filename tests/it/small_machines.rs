@@ -3,7 +3,7 @@
 use horma::cam::{Move, Pace, Toolpath};
 use horma::geom::{Point3, Vector3};
 use horma::machine::{
-    Axis, AxisKind, AxisValues, Carries, Clamping, Follow, MAX_AXES, Machine, Mount,
+    Axis, AxisKind, AxisValues, Carries, Clamping, Follow, MAX_AXES, Machine, Mount, ToolChanges,
 };
 use horma::tool::{Profile, Tool, Turns};
 use rand::{RngExt, SeedableRng};
@@ -110,6 +110,7 @@ fn machine(name: &str, axes: Vec<Axis>, attack: usize) -> Machine {
         default_tool: "wheel".into(),
         clearance: 5.0,
         blocks_per_second: 1000.0,
+        tool_changes: ToolChanges::WithinPrograms,
         look_ahead_blocks: None,
     }
 }

@@ -1,6 +1,6 @@
 //! What a pass asks for: the times of its moves by their feed, and what became of them.
 
-use super::{FeedReport, Motion, PassOptions, Slowdowns, Spot, Timing, drives, time_motion};
+use super::{FeedReport, Motion, PassOptions, Slow, Slowdowns, Spot, Timing, drives, time_motion};
 use crate::cam::{Move, Position};
 use crate::machine::{Axis, AxisKind, MAX_AXES, Machine};
 
@@ -91,7 +91,10 @@ impl<'a> Asked<'a> {
         let mut slowed = Slowdowns::default();
         for ((fed, timing), step) in self.fed.iter().zip(timings).zip(moves) {
             let cause = timing.limit.cause(|axis| axes[axis].letter);
-            slowed.take(*fed, timing.seconds, cause, || spot(&axes[along], step.to[along]));
+            // A rotation has no way, a feed that of the contact.
+            let way = self.options.rotation.is_none().then_some(fed * self.options.cut);
+            let slow = Slow { cause, asked: *fed, taken: timing.seconds, way };
+            slowed.take(slow, || spot(&axes[along], step.to[along]));
         }
         let taken = timings.iter().map(|timing| timing.seconds).sum();
         FeedReport { asked: self.fed.iter().sum(), taken, slowed: slowed.finish() }

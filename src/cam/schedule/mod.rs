@@ -19,7 +19,7 @@ use serde::Serialize;
 
 pub use drive::{Drive, drives};
 pub use planner::{Limit, Motion, Timing, time_motion};
-pub use slowed::{Cause, Slowdowns, Slowed, Spot};
+pub use slowed::{Cause, Slow, Slowdowns, Slowed, Spot};
 
 /// How fast a pass goes, and where it is out of the way.
 #[derive(Debug, Clone, Copy, PartialEq)]

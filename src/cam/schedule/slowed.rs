@@ -7,6 +7,8 @@ use std::fmt;
 /// A move that is this much of its feed fast holds it: a feed is the most that a move reaches, and
 /// one step of a ramp is slower on the mean.
 const HELD: f64 = 0.9;
+/// On a way shorter than this the tool stands [mm].
+const STANDS: f64 = 0.01;
 /// A cause that takes less than this share of the whole time is not worth a warning.
 const WORTH_TELLING: f64 = 0.01;
 
@@ -22,10 +24,25 @@ pub struct Slowed {
     pub asked: f64,
     /// How long they take [s].
     pub taken: f64,
-    /// The least share of its feed that one of them has.
+    /// The least share of its feed that one of them has; 1 if the tool stands on the part in all.
     pub worst: f64,
+    /// The feed that is, where feeds are lengths [mm/min].
+    pub least_feed: Option<f64>,
     /// Where that is.
     pub near: Spot,
+}
+
+/// A move that may be slower than asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slow {
+    /// What keeps it from being faster.
+    pub cause: Cause,
+    /// How long it would take at its feed [s].
+    pub asked: f64,
+    /// How long it takes [s].
+    pub taken: f64,
+    /// The way its feed is of; `None` where the part is turned at a speed [mm].
+    pub way: Option<f64>,
 }
 
 /// What keeps a feed from being held.
@@ -73,21 +90,27 @@ pub struct Slowdowns {
 }
 
 impl Slowdowns {
-    /// Takes a move that was `asked` to take so long and has `taken` so long.
-    pub fn take(&mut self, asked: f64, taken: f64, cause: Cause, near: impl FnOnce() -> Spot) {
+    /// Takes a move.
+    pub fn take(&mut self, slow: Slow, near: impl FnOnce() -> Spot) {
+        let Slow { cause, asked, taken, way } = slow;
         if asked >= HELD * taken {
             return;
         }
-        let share = asked / taken;
-        let Some(slowed) = self.causes.iter_mut().find(|slowed| slowed.cause == cause) else {
-            let (worst, near) = (share, near());
-            return self.causes.push(Slowed { cause, moves: 1, asked, taken, worst, near });
+        // Where the tool stands on the part while an axis moves there is no feed to be held.
+        let stands = way.is_some_and(|way| way < STANDS);
+        let worst = if stands { 1.0 } else { asked / taken };
+        let least_feed = way.filter(|_| !stands).map(|way| 60.0 * way / taken);
+        let found = self.causes.iter_mut().find(|slowed| slowed.cause == cause);
+        let Some(slowed) = found else {
+            let near = near();
+            let first = Slowed { cause, moves: 1, asked, taken, worst, least_feed, near };
+            return self.causes.push(first);
         };
         slowed.moves += 1;
         slowed.asked += asked;
         slowed.taken += taken;
-        if share < slowed.worst {
-            (slowed.worst, slowed.near) = (share, near());
+        if worst < slowed.worst {
+            (slowed.worst, slowed.least_feed, slowed.near) = (worst, least_feed, near());
         }
     }
 
@@ -101,7 +124,8 @@ impl Slowdowns {
         slowed.asked += gathered.asked;
         slowed.taken += gathered.taken;
         if gathered.worst < slowed.worst {
-            (slowed.worst, slowed.near) = (gathered.worst, gathered.near);
+            slowed.worst = gathered.worst;
+            (slowed.least_feed, slowed.near) = (gathered.least_feed, gathered.near);
         }
     }
 
@@ -145,16 +169,19 @@ impl Limit {
 
 impl fmt::Display for Slowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let percent = |share: f64| 100.0 * share;
-        let Self { cause, moves, asked, taken, worst, near } = self;
+        let Self { cause, moves, asked, taken, worst, least_feed, near } = self;
+        let mean = 100.0 * asked / taken;
         match moves {
-            1 => write!(f, "{cause} leaves {:.0} % of the feed on 1 move, ", percent(*worst))?,
-            _ => write!(
-                f,
-                "{cause} leaves {:.0} % of the feed on {moves} moves, {:.0} % at the worst, ",
-                percent(asked / taken),
-                percent(*worst)
-            )?,
+            1 => write!(f, "{cause} leaves {mean:.0} % of the feed on 1 move")?,
+            _ => write!(f, "{cause} leaves {mean:.0} % of the feed on {moves} moves")?,
+        }
+        match least_feed {
+            Some(feed) => write!(f, ", down to {feed:.0} mm/min ")?,
+            // A small share would read as none.
+            None if *moves > 1 && *worst < 1.0 => {
+                write!(f, ", down to {:.2} % ", 100.0 * worst)?;
+            }
+            None => write!(f, ", ")?,
         }
         write!(f, "{near}: {:.1} s more", self.lost())
     }
@@ -187,19 +214,28 @@ mod tests {
     #[test]
     fn moves_are_gathered_by_what_slows_them_down() {
         let mut all = Slowdowns::default();
-        let at = |word| move || Spot::Word { axis: 'X', word };
+        let mut take = |asked, taken, cause, way, word| {
+            all.take(Slow { cause, asked, taken, way }, || Spot::Word { axis: 'X', word });
+        };
         let [y, a] = [Cause::Acceleration { axis: 'Y' }, Cause::Velocity { axis: 'A' }];
-        all.take(1.0, 1.1, y, at(1.0));
-        all.take(1.0, 2.0, a, at(2.0));
-        all.take(1.0, 4.0, y, at(3.0));
-        all.take(3.0, 4.0, y, at(4.0));
+        take(1.0, 1.1, y, Some(10.0), 1.0);
+        take(1.0, 2.0, a, None, 2.0);
+        take(1.0, 4.0, y, Some(10.0), 3.0);
+        take(3.0, 4.0, y, Some(30.0), 4.0);
+        take(0.0, 1.0, Cause::BlockRate, Some(0.0), 5.0);
+        take(1.0, 200.0, Cause::LookAhead, None, 6.0);
+        take(1.0, 2.0, Cause::LookAhead, None, 7.0);
         let told: Vec<_> = all.finish().iter().map(ToString::to_string).collect();
         assert_eq!(
             told,
             [
-                "the acceleration of Y leaves 50 % of the feed on 2 moves, 25 % at the worst, near \
-                 X 3.0: 4.0 s more",
-                "the greatest speed of A leaves 50 % of the feed on 1 move, near X 2.0: 1.0 s more"
+                "the number of blocks the control looks ahead leaves 1 % of the feed on 2 moves, down to \
+                 0.50 % near X 6.0: 200.0 s more",
+                "the acceleration of Y leaves 50 % of the feed on 2 moves, down to 150 mm/min near X \
+                 3.0: 4.0 s more",
+                "the greatest speed of A leaves 50 % of the feed on 1 move, near X 2.0: 1.0 s more",
+                "the number of blocks the control reads a second leaves 0 % of the feed on 1 move, \
+                 near X 5.0: 1.0 s more"
             ]
         );
     }
@@ -207,7 +243,8 @@ mod tests {
     #[test]
     fn only_what_costs_a_hundredth_of_the_time_is_worth_telling() {
         let mut all = Slowdowns::default();
-        all.take(1.0, 2.0, Cause::LookAhead, || Spot::Line { line: 7 });
+        let slow = Slow { cause: Cause::LookAhead, asked: 1.0, taken: 2.0, way: None };
+        all.take(slow, || Spot::Line { line: 7 });
         let slowed = all.finish()[0];
         assert!(slowed.is_worth_telling(99.0) && !slowed.is_worth_telling(101.0));
     }

@@ -1,5 +1,6 @@
 //! What a machine would have against a program, before it runs.
 
+mod operation;
 mod report;
 mod time;
 
@@ -9,6 +10,7 @@ use crate::machine::{Axis, AxisKind, MAX_AXES, Machine};
 use std::collections::VecDeque;
 use time::Stopwatch;
 
+pub use operation::OperationTime;
 pub use report::{AxisBounds, BlockRate, CheckReport, Violation, ViolationKind};
 pub use time::PlannedTime;
 
@@ -22,7 +24,11 @@ const TOLERANCE: f64 = 1e-9;
 /// Checks `program` against the `machine` it was posted or read for.
 pub fn check(program: &Program, machine: &Machine) -> CheckReport {
     let mut checker = Checker::new(program, machine);
+    let mut starts = operation::starts(program).peekable();
     for step in program.steps(machine) {
+        while let Some(start) = starts.next_if(|start| start.i_block < step.i_block) {
+            checker.stopwatch.start(&start);
+        }
         checker.take(&step);
     }
     checker.finish()
@@ -45,17 +51,8 @@ impl<'a> Checker<'a> {
     fn new(program: &'a Program, machine: &'a Machine) -> Self {
         let report = CheckReport {
             n_blocks: program.blocks.len(),
-            n_moves: 0,
-            bounds: Vec::new(),
-            seconds: 0.0,
-            feed_seconds: 0.0,
-            planned: PlannedTime::default(),
-            slowed: Vec::new(),
-            feed_distance_mm: 0.0,
-            rapid_distance_mm: 0.0,
-            block_rate: None,
             longest_line: program.longest_line,
-            violations: Vec::new(),
+            ..CheckReport::default()
         };
         Self {
             program,
@@ -195,7 +192,10 @@ impl<'a> Checker<'a> {
             let line = self.program.blocks.last().map_or(1, |block| block.line);
             self.violate(line, ViolationKind::NoEnd);
         }
-        (self.report.planned, self.report.slowed) = self.stopwatch.finish();
+        (self.report.operations, self.report.slowed) = self.stopwatch.finish();
+        for operation in &self.report.operations {
+            self.report.planned.add(&operation.planned);
+        }
         self.report
     }
 }

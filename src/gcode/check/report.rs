@@ -1,6 +1,6 @@
 //! What a check found, for people and for programs.
 
-use super::PlannedTime;
+use super::{OperationTime, PlannedTime};
 use crate::cam::Slowed;
 use crate::gcode::LongestLine;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use std::fmt;
 const MOST_PRINTED: usize = 50;
 
 /// What [`check`](crate::gcode::check) found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct CheckReport {
     /// Number of blocks.
     pub n_blocks: usize,
@@ -24,6 +24,8 @@ pub struct CheckReport {
     pub feed_seconds: f64,
     /// What a planner needs for it that has the accelerations of the machine.
     pub planned: PlannedTime,
+    /// The same for each operation: what is cut between a start of the cutter and the next.
+    pub operations: Vec<OperationTime>,
     /// Why it needs more, the costliest reason first.
     pub slowed: Vec<Slowed>,
     /// Way of the linear axes in feed moves [mm].
@@ -116,6 +118,11 @@ impl CheckReport {
     pub fn is_clean(&self) -> bool {
         self.violations.is_empty()
     }
+
+    /// The operations, if there is more than one.
+    pub fn several_operations(&self) -> &[OperationTime] {
+        if self.operations.len() > 1 { &self.operations } else { &[] }
+    }
 }
 
 impl fmt::Display for ViolationKind {
@@ -147,6 +154,10 @@ impl fmt::Display for CheckReport {
         let total = planned.total();
         writeln!(f, "programmed {seconds:.1} s, {fed:.1} s of it feeding")?;
         writeln!(f, "with these accelerations {total:.1} s: {planned}")?;
+        for OperationTime { tool, line, planned } in self.several_operations() {
+            let tool = tool.map_or_else(String::new, |tool| format!("T{tool} "));
+            writeln!(f, "{tool}from line {line}: {:.1} s: {planned}", planned.total())?;
+        }
         for slowed in self.slowed.iter().filter(|slowed| slowed.is_worth_telling(total)) {
             writeln!(f, "{slowed}")?;
         }

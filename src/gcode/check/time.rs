@@ -3,11 +3,12 @@
 //! What is planned through without standing are feed moves on end, or rapids on end; the machine
 //! stands between the two, at pauses, and where the cutter starts or stops.
 
+use super::operation::{OperationTime, Start};
 use super::{Step, StepKind, way};
 use crate::cam::{
-    Cause, Drive, Limit, Motion, Slowdowns, Slowed, Spot, Timing, drives, time_motion,
+    Cause, Drive, Limit, Motion, Slow, Slowdowns, Slowed, Spot, Timing, drives, time_motion,
 };
-use crate::machine::{MAX_AXES, Machine};
+use crate::machine::{AxisKind, MAX_AXES, Machine};
 use serde::Serialize;
 use std::fmt;
 
@@ -31,6 +32,14 @@ impl PlannedTime {
     pub fn total(&self) -> f64 {
         self.approach + self.cutting + self.links + self.retreat + self.pauses
     }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.approach += other.approach;
+        self.cutting += other.cutting;
+        self.links += other.links;
+        self.retreat += other.retreat;
+        self.pauses += other.pauses;
+    }
 }
 
 impl fmt::Display for PlannedTime {
@@ -45,6 +54,11 @@ impl fmt::Display for PlannedTime {
 pub(super) struct Stopwatch<'a> {
     machine: &'a Machine,
     drives: Vec<Drive>,
+    /// Operations that are over.
+    operations: Vec<OperationTime>,
+    /// Of the operation on its way.
+    tool: Option<u32>,
+    line: u32,
     planned: PlannedTime,
     /// Rapids since the last feed move: links if another one comes [s].
     rapids: f64,
@@ -62,6 +76,9 @@ impl<'a> Stopwatch<'a> {
         Self {
             machine,
             drives: drives(machine),
+            operations: Vec::new(),
+            tool: None,
+            line: 1,
             planned: PlannedTime::default(),
             rapids: 0.0,
             has_cut: false,
@@ -92,13 +109,28 @@ impl<'a> Stopwatch<'a> {
         }
     }
 
-    /// The times, and what keeps feeds from being held.
-    pub(super) fn finish(mut self) -> (PlannedTime, Vec<Slowed>) {
+    /// The cutter starts: if something was cut before, for another operation.
+    pub(super) fn start(&mut self, start: &Start) {
         self.stand();
+        if self.has_cut {
+            self.end_operation();
+        }
+        (self.tool, self.line) = (start.tool, start.line);
+    }
+
+    /// The times of all operations, and what keeps feeds from being held.
+    pub(super) fn finish(mut self) -> (Vec<OperationTime>, Vec<Slowed>) {
+        self.stand();
+        self.end_operation();
+        (self.operations, self.slowed.finish())
+    }
+
+    fn end_operation(&mut self) {
+        let mut planned = std::mem::take(&mut self.planned);
         let rapids = std::mem::take(&mut self.rapids);
-        *(if self.has_cut { &mut self.planned.retreat } else { &mut self.planned.approach }) +=
-            rapids;
-        (self.planned, self.slowed.finish())
+        let has_cut = std::mem::take(&mut self.has_cut);
+        *(if has_cut { &mut planned.retreat } else { &mut planned.approach }) += rapids;
+        self.operations.push(OperationTime { tool: self.tool, line: self.line, planned });
     }
 
     /// Times the moves on end, at the end of which the machine stands.
@@ -130,7 +162,9 @@ impl<'a> Stopwatch<'a> {
 
     fn take_slowed(&mut self, timings: &[Timing]) {
         let letter = |axis: usize| self.machine.axes[axis].letter;
-        for ((asked, timing), &line) in self.least.iter().zip(timings).zip(&self.lines) {
+        let ways = self.ways.chunks_exact(self.drives.len().clamp(1, MAX_AXES));
+        let moves = self.least.iter().zip(timings).zip(&self.lines).zip(ways);
+        for (((asked, timing), &line), ways) in moves {
             let cause = match timing.limit {
                 // The feed itself: the rest is its ramps.
                 Limit::Least => continue,
@@ -138,8 +172,18 @@ impl<'a> Stopwatch<'a> {
             };
             // A velocity beyond the limit is a violation, told line by line.
             if !matches!(cause, Cause::Velocity { .. }) {
-                self.slowed.take(*asked, timing.seconds, cause, || Spot::Line { line });
+                let way = self.fed_way(ways);
+                let slow = Slow { cause, asked: *asked, taken: timing.seconds, way };
+                self.slowed.take(slow, || Spot::Line { line });
             }
         }
+    }
+
+    /// The way of a move; none where the part turns, since what the tool then does on the part is not
+    /// known from the program.
+    fn fed_way(&self, ways: &[f64]) -> Option<f64> {
+        let axes = || self.machine.axes.iter().zip(ways);
+        let turns = axes().any(|(axis, way)| axis.kind == AxisKind::Rotary && *way != 0.0);
+        (!turns).then(|| axes().map(|(_, way)| way * way).sum::<f64>().sqrt())
     }
 }

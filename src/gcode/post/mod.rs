@@ -75,9 +75,14 @@ pub fn post_operations(
 ) -> Result<Posted, PostError> {
     check_letters(machine, dialect)?;
     let mut body = Body::new(machine, dialect);
+    let mut in_spindle = None;
     for Operation { path, tool } in operations {
         body.begin(path)?;
-        mount(&mut body.program, tool, dialect);
+        if in_spindle != Some(tool.number) {
+            body.program.push(BlockKind::ToolChange(tool.number));
+            in_spindle = Some(tool.number);
+        }
+        start_spindle(&mut body.program, tool, dialect);
         body.cool(header.coolant.unwrap_or(Coolant::Off))?;
         body.approach(path)?;
         for (i_move, step) in path.moves.iter().enumerate().skip(1) {
@@ -106,9 +111,7 @@ fn check_letters(machine: &Machine, dialect: &Dialect) -> Result<(), PostError> 
     })
 }
 
-/// Tool and spindle.
-fn mount(program: &mut Program, tool: &Tool, dialect: &Dialect) {
-    program.push(BlockKind::ToolChange(tool.number));
+fn start_spindle(program: &mut Program, tool: &Tool, dialect: &Dialect) {
     let run = Some(match tool.turns {
         Turns::Clockwise => SpindleRun::Clockwise,
         Turns::CounterClockwise => SpindleRun::CounterClockwise,
@@ -187,7 +190,12 @@ fn comments(report: &CheckReport, header: &Header) -> Vec<String> {
     for AxisBounds { axis, unit, least, greatest } in &report.bounds {
         comments.push(format!("{axis}: {least:.4} to {greatest:.4} {unit}"));
     }
-    comments.push(format!("time: {}, without acceleration", clock(report.seconds)));
+    let planned = report.planned.total();
+    comments.push(format!("time: {}, accelerations included", clock(planned)));
+    comments.extend(report.several_operations().iter().map(|operation| {
+        let tool = operation.tool.map_or_else(String::new, |tool| format!(" with T{tool}"));
+        format!("of it{tool}: {}", clock(operation.planned.total()))
+    }));
     comments.push(format!("moves: {}", report.n_moves));
     if let Some(stock) = header.stock {
         comments.push(format!("assumes at most {stock:.2} mm of stock"));

@@ -1,11 +1,15 @@
 //! The toolpath as a program: written, and read back before anybody may run it.
 
+use super::operation::Operation;
 use super::{CamError, CamOptions};
 use crate::cam::{Move, Toolpath};
 use crate::gcode::{self, CheckReport, Dialect, Header, Posted, Program, StepKind};
 use crate::machine::{AxisKind, AxisValues, Machine};
-use crate::tool::Tool;
 use std::f64::consts::TAU;
+use std::iter::Peekable;
+
+/// Moves before the first of a path, at most: the retreat of the path before it, and the approach.
+const MOST_BEFORE: usize = 5;
 
 /// A program as the bytes of its file, with what reading them back says of it.
 pub(super) struct Written {
@@ -18,36 +22,43 @@ pub(super) struct Written {
 }
 
 /// What stands at the head of the program.
-pub(super) fn header(
-    name: &str,
-    tool: &Tool,
-    machine: &Machine,
-    options: &CamOptions,
-    stock: f64,
-) -> Header {
-    let asked = serde_json::to_string(options).unwrap_or_default();
+pub(super) fn header(operations: &[Operation], machine: &Machine, options: &CamOptions) -> Header {
+    let reports = || operations.iter().map(|operation| &operation.report);
+    // The block as it came out, so that the program can be verified on it.
+    let block = reports().find_map(|report| report.rough.as_ref()?.shape.clone());
+    let asked = CamOptions { block: block.or_else(|| options.block.clone()), ..options.clone() };
+    let asked = serde_json::to_string(&asked).unwrap_or_default();
+    let mut lines: Vec<String> = Vec::new();
+    lines.extend(reports().take(1).map(|report| format!("part {}", report.part.name)));
+    lines.push(format!("machine {}", machine.name));
+    lines.extend(operations.iter().map(|Operation { tool, .. }| {
+        format!("tool T{} {}: {}", tool.number, tool.name, tool.profile)
+    }));
+    lines.push(format!("options {asked}"));
+    lines.push(format!("made by horma {}", env!("CARGO_PKG_VERSION")));
+    lines.extend(reports().filter_map(|report| report.rough.as_ref()).map(|rough| {
+        format!("roughing from {}, {} mm at most a layer", rough.block, rough.max_depth)
+    }));
+    if reports().any(|report| report.part.mode == "points") {
+        lines.push("digitized on points alone, as in the thesis".into());
+    }
     Header {
-        lines: vec![
-            format!("part {name}"),
-            format!("machine {}", machine.name),
-            format!("tool T{} {}: {}", tool.number, tool.name, tool.profile),
-            format!("options {asked}"),
-            format!("made by horma {}", env!("CARGO_PKG_VERSION")),
-        ],
-        stock: Some(stock),
+        lines,
+        // A block that is roughed is told instead.
+        stock: reports().next().filter(|first| first.rough.is_none()).map(|first| first.stock),
         number: options.program_number,
         tolerance: options.corner_tolerance,
         coolant: options.coolant,
     }
 }
 
-/// Writes the program, reads it back, and makes sure that it gives the toolpath, which is gone
+/// Writes the program, reads it back, and makes sure that it gives the toolpaths, which are gone
 /// before the program is timed: with a million moves each of them takes 70 MB or more.
 pub(super) fn write_and_read_back(
     posted: Posted,
     dialect: &Dialect,
     machine: &Machine,
-    toolpath: Toolpath,
+    paths: Vec<Toolpath>,
     most_bytes: Option<usize>,
 ) -> Result<Written, CamError> {
     let warnings = posted.warnings.iter().map(ToString::to_string).collect();
@@ -55,8 +66,8 @@ pub(super) fn write_and_read_back(
     let parts = parts(&posted.program, dialect, machine, most_bytes)?;
     drop(posted);
     let program = read_back(&text, dialect, machine)?;
-    goes_along(&program, machine, &toolpath, dialect)?;
-    drop(toolpath);
+    goes_along(&program, machine, &paths, dialect)?;
+    drop(paths);
     Ok(Written { text, parts, check: gcode::check(&program, machine), warnings })
 }
 
@@ -91,27 +102,46 @@ fn parts(
     Ok(texts)
 }
 
-/// Refuses a program that goes anywhere but along `toolpath`, after its approach and before its
+/// Refuses a program that goes anywhere but along `paths`, each after its approach and before its
 /// retreat.
 fn goes_along(
     program: &Program,
     machine: &Machine,
-    toolpath: &Toolpath,
+    paths: &[Toolpath],
     dialect: &Dialect,
 ) -> Result<(), CamError> {
     let moves = program.steps(machine).filter(|step| step.kind != StepKind::Dwell);
     let mut ends = moves.filter_map(|step| step.values(program)).peekable();
+    let mut n_before = 0;
+    for path in paths {
+        follow(&mut ends, machine, &path.moves, dialect)
+            .map_err(|i_move| CamError::ReadBack { i_move: n_before + i_move })?;
+        n_before += path.moves.len();
+    }
+    match ends.count() {
+        0 | 1 => Ok(()),
+        _ => Err(CamError::ReadBack { i_move: n_before }),
+    }
+}
+
+/// Follows one path; the first move that is not there.
+fn follow(
+    ends: &mut Peekable<impl Iterator<Item = AxisValues>>,
+    machine: &Machine,
+    moves: &[Move],
+    dialect: &Dialect,
+) -> Result<(), usize> {
     let mut at = None;
     let mut turns = AxisValues::default();
-    for (i_move, planned) in toolpath.moves.iter().enumerate() {
+    for (i_move, planned) in moves.iter().enumerate() {
         if i_move == 0 {
-            at = ends.find(|end| {
+            at = ends.by_ref().take(MOST_BEFORE).find(|end| {
                 // Some controls call angles by less than they have turned, here from the start on.
                 turns = whole_turns(machine, end, planned);
                 is_near(machine, end, planned, &turns, dialect)
             });
             if at.is_none() {
-                return Err(CamError::ReadBack { i_move });
+                return Err(i_move);
             }
             continue;
         }
@@ -121,13 +151,10 @@ fn goes_along(
         }
         // A move too small for a word has no block: the machine is there already.
         if !at.as_ref().is_some_and(is_near) {
-            return Err(CamError::ReadBack { i_move });
+            return Err(i_move);
         }
     }
-    match ends.count() {
-        0 | 1 => Ok(()),
-        _ => Err(CamError::ReadBack { i_move: toolpath.moves.len() }),
-    }
+    Ok(())
 }
 
 /// By how many whole turns each endless axis is called otherwise than planned [rad].

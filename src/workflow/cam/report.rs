@@ -1,12 +1,12 @@
 //! What a job tells about its plan; what people and programs read beside the G-code.
 
 use super::CamOptions;
+use super::ground::Ground;
 use super::heights::Heights;
 use super::spacing::scallop;
-use crate::cam::{Certificate, FeedReport, ReachReport, Setup, Strategy, TABLE_GAP, Trajectory};
+use crate::cam::{Certificate, FeedReport, ReachReport, Setup, Strategy, Trajectory};
 use crate::gcode::CheckReport;
 use crate::geom::Surface;
-use crate::tool::Tool;
 use serde::Serialize;
 
 /// The report of one job. Lengths in millimetres, angles in degrees, times in seconds.
@@ -23,6 +23,8 @@ pub struct CamReport {
     pub setup: SetupReport,
     /// How the tool runs over it.
     pub run: RunReport,
+    /// What the program does.
+    pub work: Work,
     /// How a block was roughed; absent for a finishing program.
     pub rough: Option<RoughReport>,
     /// What is proved of the path between its positions; absent if nothing was asked for.
@@ -36,6 +38,19 @@ pub struct CamReport {
     pub program: CheckReport,
     /// What the user should know before pressing start.
     pub warnings: Vec<String>,
+}
+
+/// What a program does to its part. Of one that roughs and finishes, tool, run, certificate and reach
+/// are those of finishing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Work {
+    /// Roughs it out of its block.
+    Rough,
+    /// Finishes it.
+    Finish,
+    /// First the one, then the other.
+    RoughAndFinish,
 }
 
 /// What was cut.
@@ -82,14 +97,37 @@ pub struct SetupReport {
 pub struct RoughReport {
     /// What it is cut from.
     pub block: String,
+    /// The same as the command line has it, such as `cylinder:60`; absent for a body from a file.
+    pub shape: Option<String>,
+    /// The tool, as the library or the command line names it, and its shape.
+    pub tool: [String; 2],
     /// The most the tool takes at once, along the attack axis [mm].
     pub max_depth: f64,
+    /// Material left for finishing [mm].
+    pub allowance: f64,
     /// Layers.
     pub n_layers: usize,
     /// Cuts, with a link before each.
     pub n_cuts: usize,
     /// Positions of all cuts.
     pub n_positions: usize,
+    /// What the machine can hold of the feed, in the cuts alone.
+    pub held: FeedReport,
+    /// What is proved of the rapids; absent where the part turns on a tilted table.
+    pub links: Option<LinkReport>,
+}
+
+/// What is proved of the rapids of a roughing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct LinkReport {
+    /// How many there are.
+    pub n_rapids: usize,
+    /// Each of them, but for those that lead out of a cut, is clear of the stock as it stands at that
+    /// moment by this much, along the attack axis [mm].
+    pub clearance: f64,
+    /// How far apart the stock was looked at [mm].
+    pub resolution: f64,
 }
 
 /// How the tool runs over the part, and what came of it.
@@ -158,13 +196,8 @@ impl SetupReport {
 
 impl RunReport {
     /// Of a run and what came of it, but for what is held of its feed.
-    pub(super) fn new(
-        way: &Trajectory,
-        setup: &Setup,
-        tool: &Tool,
-        options: &CamOptions,
-        heights: &Heights,
-    ) -> Self {
+    pub(super) fn new(ground: &Ground, way: &Trajectory, heights: &Heights) -> Self {
+        let Ground { setup, tool, options, .. } = ground;
         let allowance = options.allowance.unwrap_or(0.0);
         Self {
             strategy: way.strategy(),
@@ -173,7 +206,7 @@ impl RunReport {
             pitch: way.spacing().pitch_range(),
             step: way.spacing().step,
             along: way.along(),
-            overrun: [setup.part.min.x - way.along()[0], tool.profile.cutter(allowance).reach().x],
+            overrun: [setup.part.min.x - way.along()[0], ground.cutter.reach().x],
             allowance,
             n_missed: heights.n_missed(),
             off_part: options.off_part.unwrap_or_default().in_words(),
@@ -187,76 +220,13 @@ impl RunReport {
 }
 
 impl CamReport {
-    /// Adds what is different on a tilted table.
-    pub(super) fn warn_of_table(&mut self) {
-        // It runs off the part's top, and down to its table.
-        self.run.overrun = [self.run.overrun[1]; 2];
-        self.warnings.push(format!(
-            "turned on the tilted table: the lowest {TABLE_GAP} mm above it are spared, and what the \
-             tool cannot reach at this tilt is not mapped"
-        ));
-    }
-
-    /// Adds what the user should know before pressing start.
-    pub(super) fn warn(&mut self) {
-        let mut say = |text: String| self.warnings.push(text);
-        if self.rough.is_none() {
-            say(format!(
-                "the program assumes at most {:.1} mm of stock on the part: rough it first",
-                self.stock
-            ));
-        }
-        if self.part.mode == "points" {
-            say("digitized on points alone, as in the thesis: between points the tool may cut into \
-                 the part, and what is proved is proved of the points; give triangles to be exact"
-                .into());
-        }
-        if self.certificate.is_none() && self.rough.is_none() {
-            say("not certified: between positions the tool may cut into the part; --tolerance proves \
-                 how deep"
-                .into());
-        }
-        for end in &self.setup.loose {
-            say(format!(
-                "most of the {end} stub misses the part and holds it badly: try --centre ends or \
-                 another --axis"
-            ));
-        }
-        let [overrun, whole] = self.run.overrun;
-        if overrun < 0.98 * whole {
-            say(format!(
-                "the tool runs only {overrun:.1} mm beyond the part's ends, where {whole:.1} mm would \
-                 cut them whole: clamp longer or take a narrower tool"
-            ));
-        }
-        if let Some(reach) = &self.reach {
-            let share = |area: f64| 100.0 * area / reach.area;
-            if share(reach.undercut) >= 0.05 {
-                say(format!(
-                    "{:.0} mm2 ({:.1} %) of the part are undercut: turned away from the tool in every \
-                     pose",
-                    reach.undercut,
-                    share(reach.undercut)
-                ));
-            }
-            if share(reach.hollow) >= 0.05 {
-                say(format!(
-                    "{:.0} mm2 ({:.1} %) lie in hollows the tool cannot enter: it keeps up to {:.2} mm off",
-                    reach.hollow,
-                    share(reach.hollow),
-                    reach.deepest
-                ));
-            }
-        }
-        let held = &self.run.held;
-        for slowed in held.slowed.iter().filter(|slowed| slowed.is_worth_telling(held.taken)) {
-            say(slowed.to_string());
-        }
-        if let Some(rate) = self.program.block_rate.filter(|rate| rate.highest > rate.limit) {
-            say(format!(
-                "line {}: {:.0} blocks a second, the control reads {:.0}: it will stutter",
-                rate.line, rate.highest, rate.limit
-            ));
-        }
+    /// This report of finishing, after the roughing that `before` tells of.
+    pub(super) fn after(mut self, before: Self) -> Self {
+        self.work = Work::RoughAndFinish;
+        self.rough = before.rough;
+        // Both may have the same to say of how the part is held.
+        let new = before.warnings.into_iter().filter(|text| !self.warnings.contains(text));
+        self.warnings.splice(0..0, new.collect::<Vec<_>>());
+        self
     }
 }

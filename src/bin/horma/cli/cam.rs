@@ -1,18 +1,19 @@
 //! `horma cam`: from a part to a program, with its report.
 
 use super::Shell;
-use super::simulated::{Cutting, Told};
+use super::block::read_block;
+use super::simulated::{Cutting, Told, Trial};
 use crate::exit::Usage;
 use anyhow::{Context, bail};
 use clap::Args;
 use horma::cam::Block;
 use horma::geom::{LengthUnit, Surface};
 use horma::io::report::{cam_page, cam_summary, html, with_cut};
-use horma::io::{self, JobFile, OutputSet, Overwrite, Reading};
+use horma::io::{self, OutputSet, Overwrite, Reading};
 use horma::machine::Machine;
 use horma::progress::Progress;
 use horma::tool::Tool;
-use horma::workflow::cam::{CamError, CamOptions, Job, Plan, plan};
+use horma::workflow::cam::{CamOptions, Job, Plan, is_one_program, plan, rough, rough_and_finish};
 use horma::workflow::verify::{RawBlock, Verified, VerifyError};
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ For example:
   horma cam last.stl -m last-lathe -o last.ngc
   horma cam last.stl -m last-lathe --mirror --scallop 0.03 --allowance 1 -o right.ngc
   horma cam last.stl -m last-lathe --verify -o last.ngc
+  horma cam last.stl -m mill-rotary --rough-with flat-12 --block cylinder:60 -o last.ngc
   horma cam --job last.toml")]
 pub(crate) struct CamArgs {
     /// The part: STL, PLY, OBJ, glTF/GLB, PCD, points or a section grid.
@@ -63,26 +65,22 @@ pub(crate) struct CamArgs {
     options: CamOptions,
 }
 
-impl CamArgs {
-    /// The unit the part's file is said to be in.
-    pub(crate) fn units(&self) -> Option<LengthUnit> {
-        self.units
-    }
-}
-
 /// Plans the cut and writes the program and its reports: all of them, or none.
 pub(crate) fn run(args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
-    run_with(args, shell, None, plan)
+    run_for(Aim::Finish, args, shell)
 }
 
-/// Makes a plan of what the arguments ask for, and writes it. It cuts from `block`; without one, from
-/// the part with the stock it assumes all over.
-pub(crate) fn run_with(
-    args: &CamArgs,
-    shell: &Shell,
-    block: Option<&Block>,
-    plan: impl FnOnce(Job, &dyn Progress) -> Result<Plan, CamError>,
-) -> anyhow::Result<()> {
+/// What is asked for.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Aim {
+    /// A part roughed with room for finishing.
+    Rough,
+    /// A finished part, roughed first if that is asked for.
+    Finish,
+}
+
+/// Makes what the arguments ask for, and writes it.
+pub(crate) fn run_for(aim: Aim, args: &CamArgs, shell: &Shell) -> anyhow::Result<()> {
     let job = args.job.as_deref().map(io::read_job).transpose()?.unwrap_or_default();
     let part = given(
         args.part.as_ref(),
@@ -95,62 +93,129 @@ pub(crate) fn run_with(
     let machine = io::read_machine(&machine)?;
     let options = args.options.over(&job.options);
     let dialect = io::read_dialect(options.dialect.as_deref().unwrap_or(&machine.dialect))?;
-    let tool = tool(args, &job, &options, &machine)?;
-    let reading = io::read_surface(&part, args.units.or(job.units))?;
-    let outputs = Outputs::checked(&output, args.force)?;
+    let library = io::read_tools(args.tools.as_deref().or(job.tools.as_deref()))?;
+    let tool = library.find(options.tool.as_deref().unwrap_or(&machine.default_tool))?;
+    let before = options.rough_with.as_deref().map(|name| library.find(name)).transpose()?;
+    let units = args.units.or(job.units);
+    let is_roughed = aim == Aim::Rough || before.is_some();
+    let block = is_roughed.then(|| read_block(options.block(), units)).transpose()?;
+    let is_split = before.as_ref().is_some_and(|before| !is_one_program(&machine, before, &tool));
+    let outputs = checked_outputs(&output, is_split, args.force)?;
+    let reading = io::read_surface(&part, units)?;
     let cutting = match args.verify {
         None => None,
-        Some(_) if outputs.is_stream => {
+        Some(_) if outputs[0].is_stream => {
             let text = "--verify tells in the report, and standard output has none; give -o FILE";
             return Err(Usage(text.to_owned()).into());
         }
         Some(resolution) => Some(Cutting {
-            program_name: file_name(&output),
             surface: with_triangles(&reading.surface)?,
             machine: &machine,
             dialect: &dialect,
-            tool: tool.clone(),
             options: &options,
             resolution,
         }),
     };
-    let bar = shell.progress();
-    let planned = plan(
-        Job {
-            name: file_name(&part),
-            notes: notes(&reading),
-            surface: reading.surface,
-            machine: &machine,
-            tool,
-            dialect: &dialect,
-            options: &options,
-            keep_scene: !args.no_pictures && !outputs.is_stream,
-        },
-        &bar,
-    )
-    .with_context(|| format!("while cutting {}", part.display()))?;
-    let block = match block {
-        Some(block) => RawBlock::Body(block.clone()),
-        None => RawBlock::Grown(planned.report.stock),
+    let tools: Vec<Vec<Tool>> = match &before {
+        Some(before) if is_split => vec![vec![before.clone()], vec![tool.clone()]],
+        before => vec![before.iter().cloned().chain([tool.clone()]).collect()],
     };
-    let verified = cutting.map(|cutting| cutting.run(&planned, block, &bar)).transpose()?;
-    outputs.write(&planned, verified.as_ref())?;
+    let bar = shell.progress();
+    let job = Job {
+        name: file_name(&part),
+        notes: notes(&reading),
+        surface: reading.surface,
+        machine: &machine,
+        tool,
+        dialect: &dialect,
+        options: &options,
+        keep_scene: !args.no_pictures && !outputs[0].is_stream,
+    };
+    let planned = match (&block, before) {
+        (Some(block), _) if aim == Aim::Rough => rough(job, block, &bar).map(|plan| vec![plan]),
+        (Some(block), Some(tool)) => rough_and_finish(job, tool, block, &bar),
+        _ => plan(job, &bar).map(|plan| vec![plan]),
+    };
+    let planned = planned.with_context(|| format!("while cutting {}", part.display()))?;
+    let programs: Vec<Written> = outputs
+        .into_iter()
+        .zip(planned)
+        .zip(tools)
+        .map(|((outputs, plan), tools)| Written { outputs, plan, tools, verified: None })
+        .collect();
+    let programs = match cutting {
+        None => programs,
+        Some(cutting) => verified(programs, &cutting, block, &bar)?,
+    };
+    let mut files = OutputSet::new(programs[0].outputs.overwrite);
+    for program in &programs {
+        program.outputs.add_to(&mut files, &program.plan, program.verified.as_ref())?;
+    }
+    files.commit()?;
     drop(bar);
-    if outputs.is_stream {
+    if programs[0].outputs.is_stream {
         return Ok(());
     }
-    let told = Told::new(&planned, verified.as_ref());
-    let text = format!(
-        "{}{}\n{}",
-        cam_summary(&planned.report),
-        told.in_words(),
-        outputs.in_words(&machine, &planned)
-    );
-    shell.report(&told, &text)?;
-    match verified.iter().flat_map(|verified| &verified.report.faults).next() {
-        None => Ok(()),
-        Some(fault) => bail!("{}: {fault}", output.display()),
+    tell(&programs, &machine, shell)
+}
+
+/// A program with all that goes with it.
+struct Written {
+    outputs: Outputs,
+    plan: Plan,
+    /// The tools it cuts with.
+    tools: Vec<Tool>,
+    /// What it leaves, if that was asked for.
+    verified: Option<Verified>,
+}
+
+/// Cuts one program after the other in simulation: from `block`, or from the part with the stock
+/// that is assumed all over, and then from what the one before left.
+fn verified(
+    mut programs: Vec<Written>,
+    cutting: &Cutting,
+    block: Option<Block>,
+    progress: &dyn Progress,
+) -> anyhow::Result<Vec<Written>> {
+    let mut next = match block {
+        Some(block) => RawBlock::Body(block),
+        None => RawBlock::Grown(programs[0].plan.report.stock),
+    };
+    for program in &mut programs {
+        let trial = Trial {
+            name: file_name(&program.outputs.program),
+            plan: &program.plan,
+            tools: program.tools.clone(),
+            block: next,
+        };
+        let left = cutting.run(trial, progress)?;
+        next = RawBlock::Left(Box::new(left.stock.clone()));
+        program.verified = Some(left);
     }
+    Ok(programs)
+}
+
+/// Tells what was written, and of the first fault the simulation found.
+fn tell(programs: &[Written], machine: &Machine, shell: &Shell) -> anyhow::Result<()> {
+    let told: Vec<Told> = programs
+        .iter()
+        .map(|program| Told::new(&program.plan, program.verified.as_ref()))
+        .collect();
+    let texts = programs.iter().zip(&told).map(|(program, told)| {
+        let summary = cam_summary(&program.plan.report) + &told.in_words();
+        summary + "\n" + &program.outputs.in_words(machine, &program.plan)
+    });
+    let text = texts.collect::<Vec<_>>().join("\n\n");
+    match &told[..] {
+        [one] => shell.report(one, &text)?,
+        several => shell.report(&several, &text)?,
+    }
+    for Written { outputs, verified, .. } in programs {
+        if let Some(fault) = verified.iter().flat_map(|verified| &verified.report.faults).next() {
+            bail!("{}: {fault}", outputs.program.display());
+        }
+    }
+    Ok(())
 }
 
 /// A copy of the part to compare with: refused before hours are spent if it has no surface.
@@ -164,6 +229,23 @@ pub(super) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
+/// The files of one program; or of two, the first of which roughs.
+fn checked_outputs(output: &Path, is_split: bool, force: bool) -> anyhow::Result<Vec<Outputs>> {
+    let finishing = Outputs::checked(output, force)?;
+    if !is_split {
+        return Ok(vec![finishing]);
+    }
+    if finishing.is_stream {
+        let text = "this machine has its tools changed between programs, and two programs cannot go to \
+                    standard output; name a file";
+        return Err(Usage(text.to_owned()).into());
+    }
+    let extension = output.extension().unwrap_or_default().to_string_lossy();
+    let extension = format!("rough.{extension}");
+    let roughing = output.with_extension(extension.trim_end_matches('.'));
+    Ok(vec![Outputs::checked(&roughing, force)?, finishing])
+}
+
 /// What the command line says, else the job file.
 fn given<T: Clone>(
     flag: Option<&T>,
@@ -173,16 +255,6 @@ fn given<T: Clone>(
 ) -> anyhow::Result<T> {
     let missing = || Usage(format!("{what} is missing; give it, as in: {example}")).into();
     flag.or(job).cloned().ok_or_else(missing)
-}
-
-fn tool(
-    args: &CamArgs,
-    job: &JobFile,
-    options: &CamOptions,
-    machine: &Machine,
-) -> anyhow::Result<Tool> {
-    let library = io::read_tools(args.tools.as_deref().or(job.tools.as_deref()))?;
-    Ok(library.find(options.tool.as_deref().unwrap_or(&machine.default_tool))?)
 }
 
 /// How the part was read, for the report.
@@ -221,8 +293,19 @@ impl Outputs {
 
     /// All three, or none; the reports with what the simulation found, if there was one.
     pub(super) fn write(&self, planned: &Plan, verified: Option<&Verified>) -> anyhow::Result<()> {
-        let [_, json, page] = self.paths();
         let mut files = OutputSet::new(self.overwrite);
+        self.add_to(&mut files, planned, verified)?;
+        Ok(files.commit()?)
+    }
+
+    /// Adds all three to what is written together.
+    fn add_to(
+        &self,
+        files: &mut OutputSet,
+        planned: &Plan,
+        verified: Option<&Verified>,
+    ) -> anyhow::Result<()> {
+        let [_, json, page] = self.paths();
         for (path, text) in self.programs(planned) {
             files.add(&path, |out| out.write_all(text))?;
         }
@@ -236,7 +319,7 @@ impl Outputs {
             files.add(&json, |out| out.write_all(&report))?;
             files.add(&page, |out| out.write_all(shown.as_bytes()))?;
         }
-        Ok(files.commit()?)
+        Ok(())
     }
 
     /// The program, or its parts in files with numbers of their own; a stream takes it whole.

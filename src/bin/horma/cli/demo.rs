@@ -2,7 +2,7 @@
 
 use super::Shell;
 use super::cam::Outputs;
-use super::simulated::{Cutting, Told};
+use super::simulated::{Cutting, Told, Trial};
 use anyhow::Context;
 use clap::Args;
 use horma::cam::{Block, Centre};
@@ -22,7 +22,7 @@ const DEPTH: f64 = 8.0;
 /// What it leaves for finishing, ridges included [mm].
 const LEFT: f64 = 1.5;
 /// How finely the last is cut in simulation [mm].
-const RESOLUTION: f64 = 0.75;
+const RESOLUTION: f64 = 0.5;
 
 /// Make a last and the program that cuts it: no files needed.
 #[derive(Debug, Args)]
@@ -72,21 +72,27 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     };
     let bar = shell.progress();
     let bar_of_wood = Block::Cylinder { radius: None };
-    let roughed = rough(job(), &bar_of_wood, Some(DEPTH), &bar)
+    let for_roughing = CamOptions { max_depth: Some(DEPTH), ..options.clone() };
+    let roughed = rough(Job { options: &for_roughing, ..job() }, &bar_of_wood, &bar)
         .context("while roughing the demonstration's last")?;
     let planned = plan(job(), &bar).context("while cutting the demonstration's last")?;
-    let cutting = |program_name: &str| Cutting {
-        program_name: program_name.to_owned(),
+    let cutting = Cutting {
         surface: mesh.clone(),
         machine: &machine,
         dialect: &dialect,
-        tool: tool.clone(),
         options: &options,
         resolution: RESOLUTION,
     };
-    let rough_cut = cutting("rough.ngc").run(&roughed, RawBlock::Body(bar_of_wood), &bar)?;
+    let trial = |name: &str, plan, block| Trial {
+        name: name.to_owned(),
+        plan,
+        tools: vec![tool.clone()],
+        block,
+    };
+    let bar_of_wood = RawBlock::Body(bar_of_wood);
+    let rough_cut = cutting.run(trial("rough.ngc", &roughed, bar_of_wood), &bar)?;
     let left = RawBlock::Left(Box::new(rough_cut.stock.clone()));
-    let cut = cutting("last.ngc").run(&planned, left, &bar)?;
+    let cut = cutting.run(trial("last.ngc", &planned, left), &bar)?;
     io::write_surface(&part, &mesh, overwrite)?;
     rough_outputs.write(&roughed, Some(&rough_cut))?;
     outputs.write(&planned, Some(&cut))?;

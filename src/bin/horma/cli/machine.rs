@@ -6,7 +6,9 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use horma::gcode::DialectError;
 use horma::io::{self, DescriptionError};
-use horma::machine::{Axis, AxisKind, Carries, Clamping, Machine, MachineError, Mount};
+use horma::machine::{
+    Axis, AxisKind, Carries, Clamping, Machine, MachineError, Mount, ToolChanges,
+};
 use horma::tool::ToolError;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -151,6 +153,7 @@ fn description(machine: &Machine) -> Value {
         "clamping": clamping,
         "dialect": machine.dialect,
         "default-tool": machine.default_tool,
+        "tool-changes": machine.tool_changes,
         "clearance": machine.clearance,
         "blocks-per-second": machine.blocks_per_second,
         "axis": axes,
@@ -204,6 +207,7 @@ fn summary(machine: &Machine) -> String {
         ("attack", format!("{} brings the tool to the part", machine.axes[machine.attack].letter)),
         ("spindle", spindle),
         ("tools", format!("{mount}; {} unless told otherwise", machine.default_tool)),
+        ("changed", tool_changes(machine.tool_changes).to_owned()),
         ("clamping", clamping(machine.clamping)),
         ("clearance", format!("{} mm", number(machine.clearance))),
         ("control", control(machine)),
@@ -215,6 +219,13 @@ fn summary(machine: &Machine) -> String {
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(machine.axes.iter().map(|axis| axis_row(machine, axis)));
     text + "\n" + &table(&rows)
+}
+
+fn tool_changes(changes: ToolChanges) -> &'static str {
+    match changes {
+        ToolChanges::WithinPrograms => "within programs: one program can use several tools",
+        ToolChanges::BetweenPrograms => "between programs: each program has one tool",
+    }
 }
 
 fn control(machine: &Machine) -> String {

@@ -11,37 +11,39 @@ use horma::workflow::cam::{CamOptions, CamReport, Plan};
 use horma::workflow::verify::{RawBlock, Verified, VerifyJob, VerifyOptions, VerifyReport, verify};
 use serde::Serialize;
 
-/// All that cutting a plan in simulation takes besides the plan.
+/// All that cutting plans in simulation takes besides the plans.
 pub(super) struct Cutting<'a> {
-    /// What the program is called: most often its file.
-    pub(super) program_name: String,
     pub(super) surface: Surface,
     pub(super) machine: &'a Machine,
     pub(super) dialect: &'a Dialect,
-    pub(super) tool: Tool,
     pub(super) options: &'a CamOptions,
     /// How far apart the stock is looked at [mm].
     pub(super) resolution: f64,
 }
 
+/// A program to cut in simulation.
+pub(super) struct Trial<'a> {
+    /// What it is called: most often its file.
+    pub(super) name: String,
+    pub(super) plan: &'a Plan,
+    pub(super) tools: Vec<Tool>,
+    pub(super) block: RawBlock,
+}
+
 impl Cutting<'_> {
-    /// Reads the program back and runs it on `block`.
-    pub(super) fn run(
-        self,
-        planned: &Plan,
-        block: RawBlock,
-        progress: &dyn Progress,
-    ) -> anyhow::Result<Verified> {
-        let context = format!("while cutting {} in simulation", self.program_name);
-        let program = gcode::read(&mut planned.text.as_slice(), self.machine, self.dialect)?;
+    /// Reads the program back and runs it on its block.
+    pub(super) fn run(&self, trial: Trial, progress: &dyn Progress) -> anyhow::Result<Verified> {
+        let Trial { name, plan, tools, block } = trial;
+        let context = format!("while cutting {name} in simulation");
+        let program = gcode::read(&mut plan.text.as_slice(), self.machine, self.dialect)?;
         let job = VerifyJob {
-            program_name: self.program_name,
+            program_name: name,
             program: &program,
-            part_name: planned.report.part.name.clone(),
-            surface: self.surface,
+            part_name: plan.report.part.name.clone(),
+            surface: self.surface.clone(),
             notes: Vec::new(),
             machine: self.machine,
-            tools: vec![self.tool],
+            tools,
             setup: self.options,
             block,
             options: &VerifyOptions { resolution: Some(self.resolution), tolerance: None },

@@ -43,8 +43,8 @@ pub(crate) struct VerifyArgs {
     #[arg(long, value_name = "DIALECT")]
     dialect: Option<String>,
     /// The block: cylinder or cylinder:RADIUS, box or box:MARGIN, or the file of a moulded block that
-    /// lies about the part as the part's file has it [default: the part with the stock the program
-    /// assumes all over].
+    /// lies about the part as the part's file has it [default: what the program's header says is
+    /// roughed, else the part with the stock the program assumes all over].
     #[arg(long, value_name = "BLOCK")]
     block: Option<String>,
     /// Write what was cut as a mesh, coloured by how far it is off; .ply or .glb.
@@ -173,14 +173,22 @@ impl VerifyArgs {
         numbers.sort_unstable();
         numbers.dedup();
         if self.tool.is_none() && numbers.len() > 1 {
-            let tools = numbers.iter().map(|number| library.find(&number.to_string()));
+            // Those the header names may stand in no library.
+            let named = [&setup.tool, &setup.rough_with].into_iter().flatten();
+            let named: Vec<Tool> =
+                named.map(|name| library.find(name)).collect::<Result<_, _>>()?;
+            let tools = numbers.iter().map(|&number| {
+                let named = named.iter().find(|tool| tool.number == number).cloned();
+                named.map_or_else(|| library.find(&number.to_string()), Ok)
+            });
             return Ok(tools.collect::<Result<_, _>>()?);
         }
         Ok(vec![library.find(setup.tool.as_deref().unwrap_or(&machine.default_tool))?])
     }
 
     fn block(&self, head: &Asked) -> anyhow::Result<RawBlock> {
-        match &self.block {
+        let roughed = head.options.as_ref().and_then(|options| options.block.as_ref());
+        match self.block.as_ref().or(roughed) {
             Some(text) => Ok(RawBlock::Body(read_block(text, self.units)?)),
             None => Ok(RawBlock::Grown(head.stock.unwrap_or(ASSUMED))),
         }

@@ -1,7 +1,9 @@
 //! The tables of the page.
 
 use super::super::{Block, Table};
-use super::words::{clock, count, fine, pitch, proof, proved, range, reached, strategy, tool};
+use super::words::{
+    clear, clock, count, fine, pitch, proof, proved, range, reached, strategy, tool,
+};
 use crate::cam::{FeedReport, ReachReport, Strategy};
 use crate::gcode::CheckReport;
 use crate::workflow::cam::CamReport;
@@ -56,10 +58,13 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
     ));
     if let Some(rough) = &report.rough {
         facts.push(fact("Roughed from", rough.block.clone()));
+        facts.push(fact("Roughed with", tool(&rough.tool)));
+        facts.push(fact("Left by roughing", format!("{} mm", fine(rough.allowance))));
         facts.push(fact("Layers", rough.n_layers));
         facts.push(fact("Deepest cut", format!("{} mm", fine(rough.max_depth))));
         facts.push(fact("Cuts", format!("{}, a link before each", count(rough.n_cuts))));
         facts.push(fact("Positions of all cuts", count(rough.n_positions)));
+        facts.extend(rough.links.as_ref().map(|links| fact("Rapids", clear(links))));
     }
     vec![Block::Facts(facts)]
 }
@@ -114,6 +119,13 @@ pub(super) fn program(program: &CheckReport) -> Vec<Block> {
             ),
         ),
         fact("Seconds spent on", program.planned),
+    ];
+    facts.extend(program.several_operations().iter().map(|operation| {
+        let tool = operation.tool.map_or("the tool".to_owned(), |number| format!("T{number}"));
+        let (clock, planned) = (clock(operation.planned.total()), operation.planned);
+        fact(&format!("With {tool}, from line {}", operation.line), format!("{clock}: {planned}"))
+    }));
+    facts.extend([
         fact("Blocks", format!("{}, {} moves", count(program.n_blocks), count(program.n_moves))),
         fact(
             "Way of the linear axes",
@@ -122,7 +134,7 @@ pub(super) fn program(program: &CheckReport) -> Vec<Block> {
                 program.feed_distance_mm, program.rapid_distance_mm
             ),
         ),
-    ];
+    ]);
     facts.extend(program.block_rate.map(|rate| {
         let most = format!(
             "up to {:.0} a second (line {}); the control reads {:.0}",

@@ -11,7 +11,7 @@ mod words;
 pub use summary::cam_summary;
 
 use super::{Block, Figure, Image, Labels, Page, Picture, Section, Series, line_chart};
-use crate::workflow::cam::{self, CamReport};
+use crate::workflow::cam::{self, CamReport, Work};
 use words::{attack_travel, clock, count, reached_percent, strategy};
 
 /// The page of a job; without a `scene` it has no pictures of the part and its path. An error is
@@ -93,7 +93,7 @@ fn reach_and_travel(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::
         None if report.part.mode == "points" => Block::Text(
             "Points alone have no area, so what the tool can reach of them is not known.".into(),
         ),
-        None if report.rough.is_some() => {
+        None if report.work == Work::Rough => {
             Block::Text("What the tool can reach is mapped with the finishing program.".into())
         }
         None => {

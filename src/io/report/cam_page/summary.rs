@@ -1,6 +1,8 @@
 //! A cam report in a dozen lines for the terminal.
 
-use super::words::{clock, count, fine, pitch, proved, range, reached_percent, strategy, tool};
+use super::words::{
+    clear, clock, count, fine, pitch, proved, range, reached_percent, strategy, tool,
+};
 use crate::cam::{Certificate, ReachReport, Strategy};
 use crate::gcode::AxisBounds;
 use crate::workflow::cam::{CamReport, RoughReport, RunReport};
@@ -28,6 +30,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     lines.add("run", run(&report.run));
     if let Some(rough) = &report.rough {
         lines.add("rough", self::rough(rough));
+        if let Some(links) = &rough.links {
+            lines.add("rapids", clear(links));
+        }
     }
     if let Some(certificate) = &report.certificate {
         lines.add("proof", proof(certificate));
@@ -42,6 +47,12 @@ pub fn cam_summary(report: &CamReport) -> String {
     lines.add("program", format!("{} blocks", count(program.n_blocks)));
     let (total, cutting) = (clock(program.planned.total()), clock(program.planned.cutting));
     lines.add("time", format!("{total}, {cutting} of it cutting (h:mm:ss)"));
+    for operation in program.several_operations() {
+        let (total, cutting) = (clock(operation.planned.total()), clock(operation.planned.cutting));
+        let tool = operation.tool.map_or("tool".to_owned(), |number| format!("T{number}"));
+        let line = operation.line;
+        lines.add("", format!("{tool} from line {line}: {total}, {cutting} of it cutting"));
+    }
     for note in &part.notes {
         lines.add("note", note);
     }
@@ -57,7 +68,8 @@ pub fn cam_summary(report: &CamReport) -> String {
 
 fn rough(rough: &RoughReport) -> String {
     format!(
-        "from {}: {} layers of at most {} mm, {} cuts, {} positions",
+        "with {} from {}: {} layers of at most {} mm, {} cuts, {} positions",
+        rough.tool[0],
         rough.block,
         rough.n_layers,
         fine(rough.max_depth),

@@ -2,6 +2,7 @@
 
 use crate::cam::{Certificate, ReachReport, Strategy};
 use crate::gcode::{AxisBounds, CheckReport};
+use crate::workflow::cam::LinkReport;
 use std::fmt::Write as _;
 
 /// Hours, minutes and seconds, the seconds rounded up: `0:09:30`.
@@ -29,6 +30,16 @@ pub(super) fn proved(certificate: &Certificate) -> String {
         "gouge <= {:.4} mm on all {} moves (proved)",
         certificate.gouge,
         count(certificate.n_moves)
+    )
+}
+
+/// What is proved of rapids: `all 1,094 clear of the stock ... by 18 mm`.
+pub(super) fn clear(links: &LinkReport) -> String {
+    format!(
+        "all {} clear of the stock as it then is by {} mm or more (looked at every {} mm)",
+        count(links.n_rapids),
+        fine(links.clearance),
+        fine(links.resolution)
     )
 }
 

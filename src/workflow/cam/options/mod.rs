@@ -1,5 +1,9 @@
 //! The options of a job: flags of the command line and keys of a job file alike.
 
+mod check;
+mod over;
+mod roughing;
+
 use crate::cam::{Centre, Method, SetupError, SetupOptions, SpindleAxis, Strategy};
 use crate::gcode::Coolant;
 use serde::{Deserialize, Serialize};
@@ -87,6 +91,33 @@ pub struct CamOptions {
     #[arg(long, value_name = "MM")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stock: Option<f64>,
+    /// Rough with this tool first, from the block down: a name or number of the tool library, or a
+    /// shape. One program does both where the machine changes tools within programs, or where the tool
+    /// stays the same; else a second one, in OUTPUT with .rough before its extension, goes first.
+    #[arg(long, value_name = "TOOL")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rough_with: Option<String>,
+    /// How roughing before finishing runs over the part [default: as finishing does].
+    #[arg(long, value_name = "STRATEGY")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rough_strategy: Option<Strategy>,
+    /// Distance of turns, rings or rows of roughing before finishing [mm; default: 4].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rough_pitch: Option<f64>,
+    /// What roughing leaves on the part for the finishing after it [mm; default: 1].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rough_allowance: Option<f64>,
+    /// What is roughed: cylinder or cylinder:RADIUS, box or box:MARGIN, or the file of a moulded block
+    /// that lies about the part as the part's file has it [default: cylinder].
+    #[arg(long, value_name = "BLOCK")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub block: Option<String>,
+    /// What the roughing tool may take at once [mm; default: what its nose takes].
+    #[arg(long, value_name = "MM")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_depth: Option<f64>,
     /// Height of positions at which the tool meets nothing [default: hold].
     #[arg(long, value_name = "RULE")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -217,84 +248,6 @@ pub enum OptionsError {
 }
 
 impl CamOptions {
-    /// Refuses numbers that mean nothing.
-    pub fn check(&self) -> Result<(), OptionsError> {
-        let above_0 = [
-            ("--pitch", self.pitch),
-            ("--step", self.step),
-            ("--points-per-mm", self.points_per_mm),
-            ("--scallop", self.scallop),
-            ("--feed", self.feed),
-            ("--rpm", self.rpm),
-            ("--speed", self.speed),
-            ("--corner-tolerance", self.corner_tolerance),
-            ("--tolerance", self.tolerance),
-            ("--min-step", self.min_step),
-            ("--points-per-turn", self.points_per_turn.map(f64::from)),
-        ];
-        let from_0 =
-            [("--allowance", self.allowance), ("--overrun", self.overrun), ("--stock", self.stock)];
-        let named = |(option, value): (&'static str, Option<f64>)| Some((option, value?));
-        for (option, value) in above_0.into_iter().filter_map(named) {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(OptionsError::OutOfRange { option, value, must: "a number above 0" });
-            }
-        }
-        for (option, value) in from_0.into_iter().filter_map(named) {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(OptionsError::OutOfRange { option, value, must: "0 or more" });
-            }
-        }
-        if let Some(value) = self.start_angle.filter(|value| !value.is_finite()) {
-            return Err(OptionsError::OutOfRange {
-                option: "--start-angle",
-                value,
-                must: "finite",
-            });
-        }
-        if self.scallop.is_some() && self.pitch.is_some() {
-            return Err(OptionsError::Conflict("give --pitch or --scallop, not both"));
-        }
-        if self.rpm.is_some() && self.feed.is_some() {
-            return Err(OptionsError::Conflict("give --feed or --rpm, not both"));
-        }
-        if self.no_certify && (self.tolerance.is_some() || self.min_step.is_some() || self.thin) {
-            return Err(OptionsError::Conflict(
-                "--no-certify leaves nothing for --tolerance, --min-step and --thin to say",
-            ));
-        }
-        Ok(())
-    }
-
-    /// These options, and where they say nothing those of `base`: flags over a job file.
-    #[must_use]
-    pub fn over(&self, base: &Self) -> Self {
-        let keys = |options: &Self| match serde_json::to_value(options) {
-            Ok(serde_json::Value::Object(keys)) => keys,
-            _ => serde_json::Map::new(),
-        };
-        let (mut all, ours) = (keys(base), keys(self));
-        // What one of these says, the other must not contradict.
-        let rivals = [
-            ("scallop", &["pitch"][..]),
-            ("pitch", &["scallop"]),
-            ("points-per-mm", &["points-per-turn", "step"]),
-            ("points-per-turn", &["points-per-mm"]),
-            ("step", &["points-per-mm"]),
-            ("feed", &["rpm"]),
-            ("rpm", &["feed"]),
-            ("no-certify", &["tolerance", "min-step", "thin"]),
-            ("tolerance", &["no-certify"]),
-            ("min-step", &["no-certify"]),
-            ("thin", &["no-certify"]),
-        ];
-        for rival in rivals.iter().filter(|(key, _)| ours.contains_key(*key)).flat_map(|r| r.1) {
-            all.remove(*rival);
-        }
-        all.extend(ours);
-        serde_json::from_value(all.into()).unwrap_or_else(|_| self.clone())
-    }
-
     /// The options of the setup among these.
     pub fn setup(&self) -> Result<SetupOptions, SetupError> {
         Ok(SetupOptions {
@@ -316,45 +269,5 @@ impl OffPart {
             }
             Self::Clear => "clear: a position that meets nothing is clear of the part",
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn flags_win_over_the_job_file_and_drop_what_contradicts_them() {
-        let job = CamOptions {
-            pitch: Some(1.0),
-            allowance: Some(0.5),
-            mirror: true,
-            ..Default::default()
-        };
-        let flags = CamOptions { scallop: Some(0.02), allowance: Some(1.0), ..Default::default() };
-        let both = flags.over(&job);
-        assert_eq!((both.pitch, both.scallop), (None, Some(0.02)));
-        assert_eq!((both.allowance, both.mirror), (Some(1.0), true));
-    }
-
-    #[test]
-    fn a_rotation_and_a_feed_drop_each_other() {
-        let feed = CamOptions { feed: Some(900.0), ..Default::default() };
-        let rpm = CamOptions { rpm: Some(60.0), ..Default::default() };
-        let both = rpm.over(&feed);
-        assert_eq!((both.feed, both.rpm), (None, Some(60.0)));
-        let both = feed.over(&rpm);
-        assert_eq!((both.feed, both.rpm), (Some(900.0), None));
-        let both = CamOptions { feed: Some(900.0), ..rpm }.check().unwrap_err();
-        assert_eq!(both.to_string(), "give --feed or --rpm, not both");
-    }
-
-    #[test]
-    fn numbers_that_mean_nothing_are_refused_by_name() {
-        let error = |options: CamOptions| options.check().unwrap_err().to_string();
-        let pitch = CamOptions { pitch: Some(-1.0), ..Default::default() };
-        assert_eq!(error(pitch), "--pitch is -1; it must be a number above 0");
-        let allowance = CamOptions { allowance: Some(f64::NAN), ..Default::default() };
-        assert_eq!(error(allowance), "--allowance is NaN; it must be 0 or more");
     }
 }
