@@ -29,7 +29,7 @@ impl<H: HeightFunction, S: Simd, const N: usize> Sweep<'_, H, S, N> {
         let turn_spread = self.acceleration.spread(radius, self.jerk);
         let mut acceleration = turn_spread;
         for axis in 0..3 {
-            acceleration[axis] = acceleration[axis] + turn[axis].abs();
+            acceleration[axis] += turn[axis].abs();
         }
         let top_speed = velocity[1].abs() + spread[1];
         let top = y

@@ -61,13 +61,13 @@ impl<H: HeightFunction, S: Simd, const N: usize> Sweep<'_, H, S, N> {
         for axis in 0..3 {
             let (mut fastest, mut most) = (zero, zero);
             for [place, velocity, turn] in corners {
-                middle[0][axis] = middle[0][axis] + place[axis] * (1.0 / N as f32);
-                middle[1][axis] = middle[1][axis] + velocity[axis] * (1.0 / N as f32);
+                middle[0][axis] += place[axis] * (1.0 / N as f32);
+                middle[1][axis] += velocity[axis] * (1.0 / N as f32);
                 fastest = fastest.max(velocity[axis].abs());
                 most = most.max(turn[axis].abs());
             }
-            speed[axis] = speed[axis] + fastest;
-            acceleration[axis] = acceleration[axis] + most;
+            speed[axis] += fastest;
+            acceleration[axis] += most;
         }
         let [[x, _, z], _] = middle;
         let mut half = [zero; 2];
