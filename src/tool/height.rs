@@ -48,6 +48,10 @@ pub trait HeightFunction: Sync {
         share: f32,
     ) -> Tangent<S>;
 
+    /// How high above the origin the lowest planes above `u` of these slopes stand: the greatest
+    /// `u - slope_x x - slope_z z`. It is finite for any slope, on the rim too.
+    fn lowest_plane<S: Simd>(&self, simd: S, slope_x: f32x16<S>, slope_z: f32x16<S>) -> f32x16<S>;
+
     /// How steep and how bent `u` is at most over those parts of sixteen rectangles that lie within
     /// `share` of the shadow's arcs.
     fn sharpness<S: Simd>(&self, simd: S, swept: &Swept<S>, share: f32) -> Sharpness<S>;
@@ -151,8 +155,8 @@ mod tests {
     /// Rounding of `f32` in a product of several factors.
     const SLACK: f64 = 1.0 + 1e-4;
 
-    #[test]
-    fn no_place_of_a_rectangle_is_steeper_or_more_bent_than_its_sharpness() {
+    /// Every kind of tool, with and without an allowance.
+    fn tools() -> impl Iterator<Item = Cutter> {
         let (radius, half_angle) = (6.0, 0.3);
         let profiles = [
             Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 },
@@ -162,17 +166,59 @@ mod tests {
             Profile::Cone { radius, half_angle },
             Profile::BallCone { radius, tip_radius: 2.0, half_angle },
         ];
-        for profile in profiles {
-            for allowance in [0.0, 0.7] {
-                match profile.cutter(allowance) {
-                    Cutter::Wheel(tool) => check(&tool),
-                    Cutter::Mill(tool) => check(&tool),
-                }
+        let of = |profile: Profile| [0.0, 0.7].map(|allowance| profile.cutter(allowance));
+        profiles.into_iter().flat_map(of)
+    }
+
+    #[test]
+    fn no_place_of_a_rectangle_is_steeper_or_more_bent_than_its_sharpness() {
+        for tool in tools() {
+            match tool {
+                Cutter::Wheel(tool) => check_sharpness(&tool),
+                Cutter::Mill(tool) => check_sharpness(&tool),
             }
         }
     }
 
-    fn check(tool: &impl HeightFunction) {
+    #[test]
+    fn the_lowest_plane_of_a_slope_touches_the_tool_and_lies_above_all_of_it() {
+        for tool in tools() {
+            match tool {
+                Cutter::Wheel(tool) => check_lowest_plane(&tool),
+                Cutter::Mill(tool) => check_lowest_plane(&tool),
+            }
+        }
+    }
+
+    /// Against the best of many places of the shadow, its rim among them.
+    fn check_lowest_plane(tool: &impl HeightFunction) {
+        let mut random = Pcg64Mcg::seed_from_u64(3);
+        let reach = tool.reach();
+        for _ in 0..200 {
+            let slope = [0; 2].map(|_| random.random_range(-3.0..3.0_f64));
+            let value = dispatch!(Level::new(), simd => {
+                let [x, z] = slope.map(|slope| f32x16::splat(simd, slope as f32));
+                f64::from(tool.lowest_plane(simd, x, z).as_slice()[0])
+            });
+            let mut highest = f64::NEG_INFINITY;
+            for i in 0..=100 {
+                for k in 0..=100 {
+                    let at = |reach: f64, i: i32| reach * (f64::from(i) / 50.0 - 1.0);
+                    // Towards the rim ever closer, where heights change most.
+                    let (x, z) = (at(1.0, i), at(1.0, k));
+                    let closer = |share: f64| (1.0 - (1.0 - share.abs()).powi(2)).copysign(share);
+                    let (x, z) = (reach.x * closer(x), reach.z * closer(z));
+                    if let Some(height) = tool.height(x, z) {
+                        highest = highest.max(height - slope[0] * x - slope[1] * z);
+                    }
+                }
+            }
+            assert!(highest <= value + 1e-4, "{highest} above {value} at {slope:?}");
+            assert!(value <= highest + 0.02 * (reach.x + reach.z), "{value}, {highest}, {slope:?}");
+        }
+    }
+
+    fn check_sharpness(tool: &impl HeightFunction) {
         let mut random = Pcg64Mcg::seed_from_u64(99);
         let reach = tool.reach();
         let mut n_within = 0;

@@ -192,6 +192,18 @@ impl HeightFunction for Mill {
         }
     }
 
+    // A mill is what its arcs wrap: the rings they make around the axis, and nothing else.
+    #[inline(always)]
+    fn lowest_plane<S: Simd>(&self, _simd: S, slope_x: f32x16<S>, slope_z: f32x16<S>) -> f32x16<S> {
+        let slope2 = slope_x.mul_add(slope_x, slope_z * slope_z);
+        let (slope, length) = (slope2.sqrt(), (slope2 + 1.0).sqrt());
+        let over_corner = self.corner.lowest_plane(slope, length);
+        match &self.flank {
+            Some(flank) => over_corner.max(flank.rim.lowest_plane(slope, length)),
+            None => over_corner,
+        }
+    }
+
     // Both principal bends of an arc, `R^2 / h^3` outwards and `slope / rho <= 1 / h` around, grow
     // outwards; that of a flank around the axis, `slope / rho`, grows inwards.
     #[inline(always)]
@@ -270,6 +282,12 @@ impl Arc {
         let slope = is_inside.select(out / height, never);
         let is_level = out.simd_le(0.0);
         (is_level.select(level, slope), is_level.select(level, bend))
+    }
+
+    /// Of planes of this slope, whose normal of height 1 has this length.
+    #[inline(always)]
+    fn lowest_plane<S: Simd>(&self, slope: f32x16<S>, length: f32x16<S>) -> f32x16<S> {
+        slope.mul_add(self.center as f32, length * self.radius as f32) - self.rise as f32
     }
 
     /// Value and slope at sixteen distances from the axis.

@@ -100,6 +100,14 @@ impl HeightFunction for Wheel {
         Tangent { x0, z0, value, slope_x: -radius * x0 * scale, slope_z: -z0 * nose * scale }
     }
 
+    // The support functions of the disc and of the ball it is grown by.
+    #[inline(always)]
+    fn lowest_plane<S: Simd>(&self, _simd: S, slope_x: f32x16<S>, slope_z: f32x16<S>) -> f32x16<S> {
+        let turned = slope_z.mul_add(slope_z, 1.0);
+        let whole = slope_x.mul_add(slope_x, turned);
+        turned.sqrt().mul_add(self.major as f32, whole.sqrt() * self.minor as f32)
+    }
+
     // Every factor of the second derivatives (see `least_bend`) grows with |x| and with |z|, so that
     // the corner farthest out tells for the whole rectangle.
     #[inline(always)]

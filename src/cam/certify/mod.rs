@@ -139,6 +139,7 @@ impl<F: Fn(usize) -> (AxisValues, Option<Contact>) + Sync> Job<'_, F> {
             gouge: self.options.gouge,
             memory: Memory::default(),
             waiting: Waiting::default(),
+            doubtful: f64::INFINITY,
         };
         // Most stretches need no step more than they have, and all wait for the last of them: none
         // takes room that it will not need.

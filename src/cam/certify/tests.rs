@@ -191,6 +191,24 @@ fn no_sample_of_any_move_lies_deeper_than_the_bound_on_any_machine_by_any_tool()
 }
 
 #[test]
+fn no_sample_of_a_ball_on_long_moves_around_a_part_of_many_nodes_lies_deeper() {
+    let bench = Bench::new("mill-rotary", &shapes::bumpy_cylinder(20_000), BALL);
+    let [x, a] = ['X', 'A'].map(|letter| bench.machine.axis_index(letter).unwrap());
+    for step_deg in [2.0, 5.0, 10.0_f64] {
+        let at = |i: usize| {
+            let mut words = bench.machine.at_rest();
+            (words[x], words[a]) = (20.0 + 0.1 * i as f64, (step_deg * i as f64).to_radians());
+            words
+        };
+        let words: Vec<_> = (0..60).map(at).collect();
+        let made = bench.certified(&words, &options(0.01));
+        let deepest = bench.deepest(&words_of(&made.positions), 40);
+        assert!(deepest <= 0.01, "{deepest} at {step_deg} degrees a step");
+        assert!(made.certificate.n_inserted > 0, "{step_deg} degrees a step");
+    }
+}
+
+#[test]
 fn of_small_steps_the_bound_is_at_most_twice_the_gouge() {
     let mut random = Pcg64Mcg::seed_from_u64(5);
     let bench = Bench::new("last-lathe", &shapes::bumpy_cylinder(3_000), WHEEL);
