@@ -109,6 +109,12 @@ impl Stock {
         self.sweep_error
     }
 
+    /// Row by row, how far out its material reaches.
+    pub(super) fn tops(&self) -> Vec<f64> {
+        let rows = self.peaks.par_chunks(self.layout.tile_stride());
+        rows.map(|peaks| peaks.iter().copied().fold(f64::NEG_INFINITY, f64::max)).collect()
+    }
+
     /// The rows of `range` as a stock of their own, to try things on; X stays as it is.
     #[must_use]
     pub fn excerpt(&self, range: std::ops::Range<usize>) -> Self {

@@ -2,6 +2,7 @@
 
 use super::{Stance, StockError};
 use crate::geom::{Point3, Pose, Vector3};
+use crate::tool::Cutter;
 use nalgebra::{Translation3, UnitQuaternion};
 
 /// Columns that share one upper bound; see [`Row`](super::row::Row).
@@ -224,6 +225,11 @@ impl Layout {
         Ok(At { point, attack: [attack.y / length, attack.z / length], lean: self.lean })
     }
 
+    /// How far `cutter` reaches along X to either side. One that leans may reach as far as it is long.
+    pub(super) fn reach_along(&self, cutter: &Cutter) -> f64 {
+        if self.lean.abs() > TILT { f64::INFINITY } else { cutter.reach().x }
+    }
+
     /// The number of columns, to count backwards with; there are far fewer than would not fit.
     pub(super) fn n_columns_signed(&self) -> i64 {
         i64::try_from(self.n_columns).unwrap_or(i64::MAX)
@@ -234,7 +240,8 @@ impl Layout {
         let first = ((from - self.along[0]) / self.along[1]).ceil().max(0.0);
         let end = ((to - self.along[0]) / self.along[1]).floor() + 1.0;
         // A cast stops at the ends of its range.
-        first as usize..(end.max(0.0) as usize).min(self.n_rows)
+        let end = (end.max(0.0) as usize).min(self.n_rows);
+        (first as usize).min(end)..end
     }
 
     /// What a row counts for in a sum over X [mm]: the first and the last one half.

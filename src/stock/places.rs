@@ -21,8 +21,9 @@ pub(super) struct Places {
 }
 
 impl Places {
+    /// For a move of `cutter` over a stock whose rows have nothing farther out than `tops`.
     pub(super) fn of(
-        layout: &Layout,
+        (layout, tops): (&Layout, &[f64]),
         machine: &Machine,
         cutter: &Cutter,
         sweep: &Sweep,
@@ -36,7 +37,10 @@ impl Places {
             let axis = &machine.axes[spindle];
             axis.motion(sweep.to[spindle]) - axis.motion(sweep.from[spindle])
         });
-        let gaps = Gaps::between(&from, &to, turn.abs());
+        let reach = layout.reach_along(cutter);
+        let x = [from.point.x.min(to.point.x) - reach, from.point.x.max(to.point.x) + reach];
+        let top = tops[layout.rows_within(x)].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let gaps = Gaps::between(&from, &to, turn.abs(), top);
         if gaps.is_clear(layout, cutter) {
             return Ok(Self { from, to, n_steps: 0, error: 0.0 });
         }
@@ -80,10 +84,12 @@ struct Gaps {
     distance: [f64; 2],
     /// Its least height along the attack direction [mm].
     lowest: f64,
+    /// Nothing in the rows it reaches ends farther out [mm].
+    top: f64,
 }
 
 impl Gaps {
-    fn between(from: &At, to: &At, turn: f64) -> Self {
+    fn between(from: &At, to: &At, turn: f64, top: f64) -> Self {
         // The attack direction stands still while the part turns.
         let (a, b) = (from.along_and_across(), to.along_and_across());
         let way = [b[0] - a[0], b[1] - a[1]];
@@ -101,15 +107,16 @@ impl Gaps {
             turn,
             distance: [least, greatest],
             lowest: a[0].min(b[0]),
+            top,
         }
     }
 
     fn is_clear(&self, layout: &Layout, cutter: &Cutter) -> bool {
         match cutter {
-            Cutter::Wheel(wheel) => self.distance[0] - wheel.major - wheel.minor >= layout.top,
+            Cutter::Wheel(wheel) => self.distance[0] - wheel.major - wheel.minor >= self.top,
             Cutter::Mill(_) => {
                 self.lowest - cutter.reach().top - cutter.reach().x * layout.lean.sin().abs()
-                    >= layout.top
+                    >= self.top
             }
         }
     }
@@ -123,7 +130,7 @@ impl Gaps {
     fn steps(&self, layout: &Layout, cutter: &Cutter) -> (f64, f64) {
         let real = layout.resolution();
         let resolution = real.along.min(real.across);
-        let body = self.along + self.square + self.turn * layout.top;
+        let body = self.along + self.square + self.turn * self.top;
         let whole = match cutter {
             Cutter::Wheel(wheel) => {
                 let around = self.turn * self.distance[1];

@@ -82,9 +82,7 @@ impl Stock {
         cutter: &Cutter,
         sweep: &Sweep,
     ) -> Result<f64, StockError> {
-        // A tool that leans may reach as far along the part as it is long.
-        let leans = self.layout.lean.abs() > TILT;
-        let reach = if leans { f64::INFINITY } else { cutter.reach().x };
+        let reach = self.layout.reach_along(cutter);
         let [from, to] =
             [&sweep.from, &sweep.to].map(|values| self.layout.locate(&Stance::at(machine, values)));
         let x = [from?.point.x, to?.point.x];
@@ -108,8 +106,9 @@ impl Stock {
         cutter: &Cutter,
         sweeps: &[Sweep],
     ) -> Result<Vec<Cut>, StockError> {
-        let layout = &self.layout;
-        let places = sweeps.par_iter().map(|sweep| Places::of(layout, machine, cutter, sweep));
+        let (layout, tops) = (&self.layout, &self.tops()[..]);
+        let of = |sweep: &Sweep| Places::of((layout, tops), machine, cutter, sweep);
+        let places = sweeps.par_iter().map(of);
         let places = places.collect::<Result<Vec<_>, _>>()?;
         let errors = places.iter().map(|places| places.error);
         self.sweep_error = errors.fold(self.sweep_error, f64::max);
