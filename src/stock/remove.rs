@@ -196,7 +196,14 @@ impl Stock {
             .zip(engaged.par_chunks_mut(STRIPE))
             .enumerate();
         let layout = &*layout;
-        let taken = stripes.map(|(i, (((ends, before), peaks), engaged))| {
+        let reaches = bites.iter().map(Bite::reach);
+        let reach = reaches.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        let rows = reach.map_or(0..0, |reach| layout.rows_within(reach));
+        let reached = stripes.filter(|(i, _)| {
+            let first = i * STRIPE;
+            first < rows.end && rows.start < first + STRIPE
+        });
+        let taken = reached.map(|(i, (((ends, before), peaks), engaged))| {
             let stripe = Stripe::new(layout, i * STRIPE, [ends, before, peaks], engaged);
             dispatch!(Level::new(), simd => stripe.run(simd, bites))
         });
