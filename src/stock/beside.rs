@@ -1,15 +1,13 @@
 //! Material beside a tool: how far it reaches into what does not cut.
 //!
-//! Every part of a tool's body is a cylinder ([`Cylinder`]). In the plane of a row it is a disc (its
-//! axle along X) or a strip (along the attack axis), both convex: a ray runs through on one stretch.
-//! What of its material lies on that stretch collides. A row whose highest material ends before the
-//! body begins is passed by.
+//! Every part of a tool's body is a cylinder ([`Cylinder`]). What of a ray's material lies on the
+//! stretch on which it runs through that collides. Rows and rays whose material ends before the body
+//! begins are passed by.
 
 use super::dexels::Stock;
-use super::layout::{Kind, Layout, TILT};
+use super::rod::{Ray, Rod};
 use super::{Stance, StockError};
-use crate::tool::{Axle, Cylinder};
-use rayon::prelude::*;
+use crate::tool::Cylinder;
 
 /// How far out the material of each row reaches.
 #[derive(Debug, Clone)]
@@ -18,29 +16,11 @@ pub struct Crests {
     highest: f64,
 }
 
-/// A body in the plane of a row, in the frame of the rays.
-#[derive(Debug, Clone, Copy)]
-enum Section {
-    /// Its middle in Y and Z, and its radius.
-    Disc([f64; 2], f64),
-    /// Along the attack direction, and across it.
-    Strip([f64; 2], [f64; 2]),
-}
-
-/// A ray in the plane of its row.
-struct Ray {
-    from: [f64; 2],
-    /// Unit vector.
-    along: [f64; 2],
-}
-
 impl Stock {
-    /// How far out the material of each row reaches now.
+    /// How far out the material of each row reaches now, at most.
     pub fn crests(&self) -> Crests {
-        let n = self.layout.n_columns();
-        let crest = |ends: &[f64]| ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let rows: Vec<f64> = self.ends.par_chunks(n).map(crest).collect();
-        let highest = crest(&rows);
+        let rows = self.tops();
+        let highest = rows.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         Crests { rows, highest }
     }
 
@@ -53,165 +33,39 @@ impl Stock {
         cylinder: &Cylinder,
     ) -> Result<f64, StockError> {
         let layout = &self.layout;
-        let at = layout.locate(stance)?;
-        if at.lean.abs() > TILT {
-            return Err(StockError::LeaningBody);
-        }
-        let [y, z] = [at.point.y, at.point.z];
-        let [along, across] = at.along_and_across();
-        let [from, to] = cylinder.stretch;
-        let radius = cylinder.radius;
-        let reach = match cylinder.axle {
-            Axle::X => [at.point.x + from, at.point.x + to],
-            Axle::Attack => [at.point.x - radius, at.point.x + radius],
-        };
-        let section = |x: f64| match cylinder.axle {
-            Axle::X => Section::Disc([y, z], radius),
-            Axle::Attack => {
-                let half = (radius * radius - (x - at.point.x).powi(2)).max(0.0).sqrt();
-                Section::Strip([along + from, along + to], [across - half, across + half])
-            }
-        };
-        // The widest section is the nearest.
-        if section(at.point.x).nearest(layout) >= crests.highest {
+        let rod = Rod::of(layout, stance, cylinder)?;
+        if rod.whole().nearest(layout) >= crests.highest {
             return Ok(0.0);
         }
         let depth_in_row = |row: usize| {
-            let section = section(layout.row_x(row));
-            let crest = crests.rows[row];
-            if section.nearest(layout) >= crest {
+            let (x, crest) = (layout.row_x(row), crests.rows[row]);
+            let Some(frame) = rod.frame(x).filter(|frame| frame.nearest(layout) < crest) else {
                 return 0.0;
-            }
-            let columns = section.columns(layout, at.attack, crest);
+            };
             let ends = &self.ends[row * layout.n_columns()..][..layout.n_columns()];
-            columns
+            frame
+                .columns(layout, rod.attack, crest)
                 .map(|column| column.rem_euclid(layout.n_columns_signed()) as usize)
                 .map(|column| {
-                    let stretch = section.stretch(&Ray::of(layout, column), at.attack);
+                    let stretch = rod.stretch(x, &Ray::of(layout, column));
                     stretch.map_or(0.0, |[enters, leaves]| {
                         ends[column].min(leaves) - enters.max(layout.floor)
                     })
                 })
                 .fold(0.0, f64::max)
         };
-        Ok(layout.rows_within(reach).map(depth_in_row).fold(0.0, f64::max))
+        let rows = layout.rows_within(rod.reach(crests.highest));
+        Ok(rows.map(depth_in_row).fold(0.0, f64::max))
     }
-}
-
-impl Section {
-    /// Nothing of it is nearer to where the rays begin than this.
-    fn nearest(&self, layout: &Layout) -> f64 {
-        match (*self, layout.kind) {
-            (Self::Disc([y, z], radius), Kind::Turned) => y.hypot(z) - radius,
-            (Self::Disc([y, _], radius), Kind::Table) => y - radius,
-            (Self::Strip(along, across), Kind::Turned) => away(along).hypot(away(across)),
-            (Self::Strip([from, _], _), Kind::Table) => from,
-        }
-    }
-
-    /// The columns that may meet it before `crest`; beyond both ends of a turn they count on.
-    fn columns(
-        &self,
-        layout: &Layout,
-        attack: [f64; 2],
-        crest: f64,
-    ) -> std::ops::RangeInclusive<i64> {
-        let n = layout.n_columns_signed();
-        let [first, step] = layout.across;
-        let between = |low: f64, high: f64| {
-            let low = ((low - first) / step).floor();
-            let high = ((high - first) / step).ceil();
-            match layout.kind {
-                Kind::Turned if high - low >= n as f64 => 0..=n - 1,
-                Kind::Turned => low as i64..=high as i64,
-                Kind::Table => (low.max(0.0) as i64)..=(high.min((n - 1) as f64) as i64),
-            }
-        };
-        let whole = 0..=n - 1;
-        match (*self, layout.kind) {
-            (Self::Disc([_, z], radius), Kind::Table) => between(z - radius, z + radius),
-            (Self::Strip(_, [low, high]), Kind::Table) => between(low, high),
-            (Self::Disc([y, z], radius), Kind::Turned) => {
-                let distance = y.hypot(z);
-                if distance <= radius {
-                    return whole;
-                }
-                let (middle, half) = (z.atan2(y), (radius / distance).asin());
-                between(middle - half, middle + half)
-            }
-            (Self::Strip([from, _], [low, high]), Kind::Turned) => {
-                if from <= 0.0 {
-                    return whole;
-                }
-                // A place beside the attack line is seen under the widest angle where it is nearest,
-                // and under the narrowest where it is as far out as the crest.
-                let widest = |across: f64, outwards: f64| {
-                    let along = if across * outwards > 0.0 { from } else { from.max(crest) };
-                    attack[1].atan2(attack[0]) + across.atan2(along)
-                };
-                between(widest(low, -1.0), widest(high, 1.0))
-            }
-        }
-    }
-
-    /// Where a ray enters it, and where it leaves it.
-    fn stretch(&self, ray: &Ray, [cos, sin]: [f64; 2]) -> Option<[f64; 2]> {
-        match *self {
-            Self::Disc(middle, radius) => {
-                let to = [middle[0] - ray.from[0], middle[1] - ray.from[1]];
-                let nearest = to[0] * ray.along[0] + to[1] * ray.along[1];
-                let half2 = radius * radius - (to[0] * to[0] + to[1] * to[1] - nearest * nearest);
-                let half = (half2 >= 0.0).then(|| half2.sqrt())?;
-                Some([nearest - half, nearest + half])
-            }
-            Self::Strip(along, across) => {
-                let turned = |v: [f64; 2]| [v[0] * cos + v[1] * sin, v[1] * cos - v[0] * sin];
-                let (from, way) = (turned(ray.from), turned(ray.along));
-                let [a, b] =
-                    [(along, 0), (across, 1)].map(|(slab, k)| within(slab, from[k], way[k]));
-                let [enters, leaves] = [a[0].max(b[0]), a[1].min(b[1])];
-                (enters <= leaves).then_some([enters, leaves])
-            }
-        }
-    }
-}
-
-impl Ray {
-    fn of(layout: &Layout, column: usize) -> Self {
-        match layout.kind {
-            Kind::Turned => {
-                Self { from: [0.0; 2], along: [layout.turns[0][column], layout.turns[1][column]] }
-            }
-            Kind::Table => {
-                let z = layout.across[0] + layout.across[1] * column as f64;
-                Self { from: [0.0, z], along: [1.0, 0.0] }
-            }
-        }
-    }
-}
-
-/// How far a stretch of numbers is from 0.
-fn away([from, to]: [f64; 2]) -> f64 {
-    from.max(-to).max(0.0)
-}
-
-/// On what stretch of `from + s way` a number lies within a slab; an empty one if never.
-fn within(slab: [f64; 2], from: f64, way: f64) -> [f64; 2] {
-    if way == 0.0 {
-        let is_inside = (slab[0]..=slab[1]).contains(&from);
-        return if is_inside { [f64::NEG_INFINITY, f64::INFINITY] } else { [1.0, 0.0] };
-    }
-    let [a, b] = slab.map(|border| (border - from) / way);
-    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Resolution;
+    use super::super::{Layout, Resolution};
     use super::*;
     use crate::geom::{Aabb, Point3, Vector3};
     use crate::machine::Machine;
-    use crate::tool::BodyPart;
+    use crate::tool::{Axle, BodyPart};
     use std::f64::consts::TAU;
 
     fn cylinder(axle: Axle, radius: f64, stretch: [f64; 2]) -> Cylinder {
@@ -274,6 +128,52 @@ mod tests {
         // It begins at Y 10 and Z 18: the corner is sqrt(10^2 + 18^2) from the axis.
         let expected = 30.0 - 424_f64.sqrt();
         assert!((depth(&bar, &aside, &holder) - expected).abs() < 0.05);
+    }
+
+    #[test]
+    fn a_leaning_body_meets_what_points_within_it_say() {
+        let mill = Machine::builtin("mill-5axis").unwrap();
+        let block =
+            Aabb { min: Point3::new(-14.0, -14.0, 0.0), max: Point3::new(14.0, 14.0, 40.0) };
+        for tilt in [25.0, 60.0] {
+            let mut values = mill.at_rest();
+            values[mill.axis_index('A').unwrap()] = f64::to_radians(tilt);
+            let axis = mill.axis_index('C').unwrap();
+            let layout =
+                Layout::about(&mill, &values, axis, &block, Resolution::even(2.0)).unwrap();
+            let bar = Stock::cylinder(layout.clone(), 19.0);
+            // Over the middle of the bar, beside it, at its ends, through its axis, and clear of it.
+            for (x, turn, value) in [
+                (-20.0, 0.3, 14.0),
+                (-35.0, 2.0, 30.0),
+                (-5.0, 4.0, 12.0),
+                (-20.0, 5.5, -4.0),
+                (-20.0, 1.0, 60.0),
+            ] {
+                let stance = layout.stance(x, turn, value);
+                for (radius, stretch) in [(3.0, [5.0, 40.0]), (16.0, [9.0, f64::INFINITY])] {
+                    let body = cylinder(Axle::Attack, radius, stretch);
+                    let is_within = |point: Point3| {
+                        let out = point - stance.point;
+                        let along = out.dot(&stance.attack);
+                        (stretch[0]..=stretch[1]).contains(&along)
+                            && (out - stance.attack * along).norm() <= radius
+                    };
+                    let n_within = |row: usize, column: usize| {
+                        let places = (0..380).map(|i| f64::from(i) / 20.0);
+                        places.filter(|&s| is_within(layout.point(row, column, s))).count()
+                    };
+                    let rays = (0..layout.n_rows())
+                        .flat_map(|row| (0..layout.n_columns()).map(move |column| (row, column)));
+                    let sampled = rays.map(|(row, column)| n_within(row, column)).max().unwrap();
+                    let found = depth(&bar, &stance, &body);
+                    assert!(
+                        (found - sampled as f64 / 20.0).abs() < 0.051,
+                        "{found}, but {sampled} times 0.05 at {tilt}, {x}, {value}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

@@ -28,6 +28,7 @@ mod layout;
 mod over_table;
 mod places;
 mod remove;
+mod rod;
 mod row;
 mod scan;
 mod shave;
@@ -85,12 +86,6 @@ pub enum StockError {
         /// By how much [deg].
         angle_deg: f64,
     },
-    /// A body that leans.
-    #[error(
-        "what does not cut of a tool that leans is not compared with the stock: leave the body of \
-         the tool out of its library for a part turned on a tilted table"
-    )]
-    LeaningBody,
     /// A move so long that it would take for ever.
     #[error(
         "one move takes {poses:.1e} places of the tool to follow, more than {most:.0e}: \

@@ -14,7 +14,7 @@ use super::strip::Flat;
 use super::stripe::{Bite, STRIPE, Stripe};
 use super::trace::End;
 use super::under_ball::Ball;
-use super::under_leaning_mill::LeaningMillBite;
+use super::under_leaning_mill::LeaningMill;
 use super::{Stance, StockError};
 use crate::machine::{AxisValues, Machine};
 use crate::progress::Progress;
@@ -147,9 +147,8 @@ impl Stock {
         match (self.layout.kind, *cutter) {
             (Kind::Turned, Cutter::Wheel(wheel)) => self.turn(wheel, steps, cuts),
             (Kind::Turned, Cutter::Mill(mill)) if self.layout.lean.abs() > TILT => {
-                let top = self.layout.top;
-                let bites = steps.map(|(at, i, e)| LeaningMillBite::new(mill, &at[1], top, i, e));
-                self.bite(&bites.collect::<Vec<_>>(), cuts);
+                let end = end_of(&mill);
+                self.turn(LeaningMill { mill, end, top: self.layout.top }, steps, cuts);
             }
             (Kind::Turned, Cutter::Mill(mill)) => match end_of(&mill) {
                 Some(End::Ball { radius, centre }) => {

@@ -24,10 +24,19 @@ const FEW: usize = 3;
 pub(super) trait Blade: Sync {
     /// What a row meets of it.
     type Section: Section;
-    /// How far it reaches to either side along X [mm].
+    /// How far it reaches to either side of its axis [mm].
     fn half_width(&self) -> f64;
-    /// What a row `dx` beside it meets, within reach, when it stands `at`. The nearer to its
-    /// middle, the more.
+    /// The stretch of X it reaches when it stands `at`.
+    #[inline(always)]
+    fn stretch(&self, at: &At) -> [f64; 2] {
+        [at.point.x - self.half_width(), at.point.x + self.half_width()]
+    }
+    /// X of its middle: from there on to either side rows meet less and less of it.
+    #[inline(always)]
+    fn middle(&self, at: &At) -> f64 {
+        at.point.x
+    }
+    /// What a row `dx` beside it meets, within reach, when it stands `at`.
     fn section(&self, at: &At, dx: f64) -> Self::Section;
 }
 
@@ -105,8 +114,7 @@ impl<B: Blade> Placed<B> {
 impl<B: Blade> Bite for Placed<B> {
     #[inline(always)]
     fn reach(&self) -> [f64; 2] {
-        let (x, half) = (self.at.point.x, self.blade.half_width());
-        [x - half, x + half]
+        self.blade.stretch(&self.at)
     }
 
     #[inline(always)]
@@ -164,7 +172,8 @@ impl<'a, B: Blade> Pass<'a, B> {
     fn of(tool: &'a Placed<B>, turn: &Turn<'a, Placed<B>>, stripe: &Stripe) -> Self {
         let rows = turn.rows.clone();
         let x = |i: usize| stripe.layout.row_x(stripe.first + i);
-        let widest = tool.section(tool.at.point.x.clamp(x(rows.start), x(rows.end - 1)));
+        let middle = tool.blade.middle(&tool.at);
+        let widest = tool.section(middle.clamp(x(rows.start), x(rows.end - 1)));
         let mut pass = Self {
             tool,
             last: turn.last,

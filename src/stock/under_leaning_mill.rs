@@ -1,195 +1,219 @@
 //! An end mill that leans along the axis a part is turned about: the constant tilt of a table.
 //!
-//! As under an upright mill a ray from the axis enters a convex tool once, but the plane of a row
-//! cuts the tool aslant. With `t` the attack direction, which leans by `lean` towards X, `e` square to
-//! it in the plane of X, and `r` the way from the tip to the place `s` along the ray,
-//! `g(s) = r.t + u(r.e, r.z)` is concave and not negative inside the tool.
+//! The plane of a row cuts it aslant. With `w` the row's way beside the tip, `a` and `b` a place of
+//! the row along and across the attack direction as seen along X, a place lies
+//! `t = w sin + a cos` along the tool that leans by so much, and `n = w cos - a sin` and `b` beside
+//! its axis. On a ray all three are linear. What is a cylinder of the tool is met where `n^2 + b^2`
+//! is no more than its radius squared, the roots of a quadratic; what is a ball is a disc as under
+//! any other tool; and of other ends `t + u(n, b)` is concave and not negative inside.
 
+use super::disc::Disc;
 use super::layout::At;
-use super::row::{Columns, Cut, Row};
-use super::stripe::{Bite, Stripe, Turn};
+use super::shave::{Blade, Borders, Rays, Section};
+use super::strip::Strip;
+use super::trace::End;
+use super::under_mill::positive_stretch;
 use crate::tool::{HeightFunction, Mill};
-use fearless_simd::Simd;
+use fearless_simd::{f64x8, prelude::*};
 
-/// The entry is found to within this [mm].
-const CLOSE: f64 = 1e-7;
-/// More halvings than this cannot be needed.
-const MOST_HALVINGS: usize = 80;
-
-/// A leaning mill at one place.
+/// A leaning mill.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LeaningMillBite {
-    mill: Mill,
-    radius: f64,
-    x: f64,
-    /// Of the tip from the axis, along and across the direction the mill attacks from around it.
-    along: f64,
-    across: f64,
-    /// That direction's angle about X.
-    attack: f64,
+pub(super) struct LeaningMill {
+    pub(super) mill: Mill,
+    /// What it is, if it is nothing else.
+    pub(super) end: Option<End>,
+    /// Nothing lies farther out [mm].
+    pub(super) top: f64,
+}
+
+/// What a row meets of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LeaningSection {
+    tip: Tip,
+    /// The cylinder above the tip, or around it.
+    tube: Tube,
+    /// All of it lies in here.
+    strip: Strip,
+    /// The axis lies in the tool.
+    is_through: bool,
+}
+
+/// What lies below the tube, or what of the tube is tool.
+#[derive(Debug, Clone, Copy)]
+enum Tip {
+    /// All of the tube, and no more.
+    Flat,
+    /// A ball, where the row meets it.
+    Ball(Option<Disc>),
+    /// Whatever the height function says.
+    Other(Mill),
+}
+
+/// A cylinder that goes on for ever away from the part.
+#[derive(Debug, Clone, Copy)]
+struct Tube {
+    /// The part's axis, in this row: `t`, `n` and `b`.
+    axis: [f64; 3],
     /// Cosine and sine of the lean.
     lean: [f64; 2],
-    reach: [f64; 2],
-    i_sweep: u32,
-    engagement: u32,
+    radius: f64,
+    /// Where it begins along the tool.
+    from: f64,
 }
 
-/// A line through the tool's own frame: along it, and across it both ways; value and slope in `s`.
-struct Line {
-    along: [f64; 2],
-    across: [[f64; 2]; 2],
-}
-
-impl LeaningMillBite {
-    /// `top` is how far out material may lie.
-    pub(super) fn new(mill: Mill, at: &At, top: f64, i_sweep: u32, engagement: u32) -> Self {
-        let (lean_sin, lean_cos) = at.lean.sin_cos();
-        let [along, across] = at.along_and_across();
-        let (radius, x) = (mill.reach().x, at.point.x);
-        // Farther up its own axis the tool is beyond all material.
-        let length = ((top - along + radius * lean_sin.abs()) / lean_cos).max(0.0);
-        let end = x + length * lean_sin;
-        Self {
-            mill,
-            radius,
-            x,
-            along,
-            across,
-            attack: at.attack[1].atan2(at.attack[0]),
-            lean: [lean_cos, lean_sin],
-            reach: [x.min(end) - radius * lean_cos, x.max(end) + radius * lean_cos],
-            i_sweep,
-            engagement,
-        }
-    }
-
-    /// The least distance of the tool from the axis, along the attack direction, `dx` beside its tip;
-    /// as if its end were flat. `None` where it does not reach.
-    fn lowest(&self, dx: f64) -> Option<f64> {
-        let [cos, sin] = [self.lean[0], self.lean[1].abs()];
-        let ahead = dx * self.lean[1].signum();
-        // The farther on the leaning side of its axis, the lower; but not below its end.
-        let aside = (ahead / cos).min(self.radius);
-        (aside >= -self.radius)
-            .then(|| self.along + (ahead - aside * cos) / sin * cos - aside * sin)
-    }
-
-    /// The rays that may meet the tool from `lowest` on and before `peak`.
-    fn columns(&self, row: &Row, lowest: f64, peak: f64) -> Columns {
-        if lowest <= 0.0 {
-            return Columns::around(row.layout, 0.0, std::f64::consts::PI);
-        }
-        // A place beside the attack line is seen under the widest angle where it is nearest, and
-        // under the narrowest where it is as far out as the peak.
-        let angle = |across: f64, outward: f64| {
-            let along = if across * outward > 0.0 { lowest } else { peak.max(lowest) };
-            self.attack + across.atan2(along)
-        };
-        Columns::between(
-            row.layout,
-            angle(self.across - self.radius, -1.0),
-            angle(self.across + self.radius, 1.0),
-        )
-    }
-
-    /// The ray at an angle from the attack direction, as the tool sees it.
-    fn line(&self, dx: f64, [cos, sin]: [f64; 2]) -> Line {
-        let [lean_cos, lean_sin] = self.lean;
-        Line {
-            along: [dx * lean_sin - self.along * lean_cos, cos * lean_cos],
-            across: [[dx * lean_cos + self.along * lean_sin, -cos * lean_sin], [-self.across, sin]],
-        }
-    }
-
-    /// Where the ray enters the tool, and where it leaves it, if it enters before `limit`.
-    fn enter(&self, line: &Line, limit: f64) -> Option<[f64; 2]> {
-        let [[x, dx], [z, dz]] = line.across;
-        let [from, to] = self.mill.clip(x, z, dx * limit, dz * limit)?;
-        let exit = if to < 1.0 { to * limit } else { f64::INFINITY };
-        let at = |s: f64| {
-            let jet = self.mill.along(x + s * dx, z + s * dz, dx, dz);
-            [line.along[0] + s * line.along[1] + jet.value, line.along[1] + jet.slope]
-        };
-        let (mut low, mut high) = (from * limit, to * limit);
-        if high <= low {
-            return None;
-        }
-        if at(low)[0] >= 0.0 {
-            return Some([low, exit]);
-        }
-        // As under an upright mill: `low` stays outside, `high` is inside once `found`.
-        let mut found = at(high)[0] >= 0.0;
-        for _ in 0..MOST_HALVINGS {
-            if high - low < CLOSE {
-                break;
-            }
-            let middle = f64::midpoint(low, high);
-            let [value, slope] = at(middle);
-            if value >= 0.0 {
-                (high, found) = (middle, true);
-            } else if slope > 0.0 {
-                // A tangent lies over a concave function: the way in is not before its root.
-                low = middle - value / slope;
-            } else if found {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        (found && high < limit).then_some([high, exit])
-    }
-
-    /// Cuts one row.
-    fn bite_row(&self, row: &mut Row, cut: &mut Cut) {
-        let dx = row.x - self.x;
-        let Some(lowest) = self.lowest(dx) else { return };
-        if row.highest <= lowest {
-            return;
-        }
-        let Line { along, across: [x, z] } = self.line(dx, [1.0, 0.0]);
-        if self.mill.height(x[0], z[0]).is_some_and(|u| along[0] + u >= 0.0) {
-            row.clear(self.engagement, cut);
-            return;
-        }
-        let peak = row.peak(&self.columns(row, lowest, row.highest));
-        if peak <= lowest {
-            return;
-        }
-        let columns = self.columns(row, lowest, peak);
-        row.engage(self.engagement);
-        let before = cut.removed;
-        for column in columns.0.iter().flat_map(Clone::clone) {
-            let (sin, cos) = (column as f64 * row.layout.across[1] - self.attack).sin_cos();
-            let end = row.ends[column];
-            if end <= row.layout.floor {
-                continue;
-            }
-            match self.enter(&self.line(dx, [cos, sin]), end) {
-                Some([_, exit]) if exit < end => cut.n_overhangs += 1,
-                Some([entry, _]) => row.lower(column, entry, cut),
-                None => {}
-            }
-        }
-        if cut.removed > before {
-            row.renew_peaks(&columns);
-        }
+impl LeaningMill {
+    /// Where its end is, along the tool: above the programmed point, or below it if it is grown.
+    fn foot(&self) -> f64 {
+        -self.mill.reach().top
     }
 }
 
-impl Bite for LeaningMillBite {
-    fn reach(&self) -> [f64; 2] {
-        self.reach
+impl Blade for LeaningMill {
+    type Section = LeaningSection;
+
+    fn half_width(&self) -> f64 {
+        self.mill.reach().x
     }
 
-    fn i_sweep(&self) -> u32 {
-        self.i_sweep
+    /// From the edge of its end to where it is beyond all material.
+    fn stretch(&self, at: &At) -> [f64; 2] {
+        let ([along, _], (sin, cos)) = (at.along_and_across(), at.lean.sin_cos());
+        let (radius, foot) = (self.half_width(), self.foot());
+        let end = ((self.top - along + radius * sin.abs()) / cos).max(foot);
+        let [a, b] = [foot, end].map(|t| at.point.x + t * sin);
+        [a.min(b) - radius * cos, a.max(b) + radius * cos]
+    }
+
+    /// Where the edge of its end comes nearest to the part.
+    fn middle(&self, at: &At) -> f64 {
+        let (sin, cos) = at.lean.sin_cos();
+        at.point.x + self.foot() * sin + self.half_width() * cos * sin.signum()
     }
 
     #[inline(always)]
-    fn bite<S: Simd>(&self, _simd: S, turn: Turn<Self>, stripe: &mut Stripe, cut: &mut Cut) {
-        for i in turn.rows {
-            self.bite_row(&mut stripe.row(i), cut);
+    fn section(&self, at: &At, dx: f64) -> LeaningSection {
+        let (sin, cos) = at.lean.sin_cos();
+        let [along, across] = at.along_and_across();
+        let (radius, foot) = (self.half_width(), self.foot());
+        // Above its end, and to one side of its axis as far as its radius.
+        let by_end = (foot - dx * sin) / cos;
+        let by_side = (dx * sin.signum() * cos - radius) / sin.abs();
+        let axis = [dx * sin - along * cos, dx * cos + along * sin, -across];
+        let [t, n, b] = axis;
+        let mut tube = Tube { axis, lean: [cos, sin], radius, from: foot };
+        let tip = match self.end {
+            Some(End::Flat { .. }) => Tip::Flat,
+            Some(End::Ball { radius, centre }) => {
+                tube.from = centre;
+                let aside = dx - centre * sin;
+                let half2 = radius * radius - aside * aside;
+                let [y, z] = Strip::above(at, 0.0, 0.0).point(along + centre * cos, across);
+                Tip::Ball((half2 > 0.0).then(|| Disc::new([y, z], half2.sqrt())))
+            }
+            None => Tip::Other(self.mill),
+        };
+        LeaningSection {
+            tip,
+            tube,
+            strip: Strip::above(at, radius, by_end.max(by_side)),
+            is_through: self.mill.height(n, b).is_some_and(|u| t + u >= 0.0),
         }
+    }
+}
+
+impl Tube {
+    /// Where rays, as the attack direction sees them, enter and leave it; infinite where they do not.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, Rays { cos, sin }: &Rays<S>) -> [f64x8<S>; 2] {
+        let splat = |value: f64| f64x8::splat(simd, value);
+        let ([t, n, b], [upright, aslant]) = (self.axis, self.lean);
+        let (cos, sin) = (*cos, *sin);
+        let n_way = cos * -aslant;
+        let square = n_way * n_way + sin * sin;
+        let middle = n_way * -n - sin * b;
+        let power = n * n + b * b - self.radius * self.radius;
+        let q = middle * middle - square * power;
+        let root = q.max(0.0).sqrt();
+        let climb = cos * upright;
+        // A ray along its end: so nearly so that the end is out of its way.
+        let climb = climb.simd_eq(0.0).select(splat(f64::MIN_POSITIVE), climb);
+        let end = splat(self.from - t) / climb;
+        let is_outward = climb.simd_gt(0.0);
+        let entry = ((middle - root) / square).max(0.0);
+        let exit = (middle + root) / square;
+        let entry = is_outward.select(entry.max(end), entry);
+        let exit = is_outward.select(exit, exit.min(end));
+        let is_met = q.simd_ge(0.0) & entry.simd_le(exit);
+        let outside = splat(f64::INFINITY);
+        [is_met.select(entry, outside), is_met.select(exit, outside)]
+    }
+}
+
+impl Section for LeaningSection {
+    #[inline(always)]
+    fn nearest(&self) -> Option<[f64; 2]> {
+        (!self.is_through).then(|| self.strip.nearest().unwrap_or([0.0; 2]))
+    }
+
+    #[inline(always)]
+    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S> {
+        self.strip.bound(simd, rays)
+    }
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, ends: f64x8<S>) -> [f64x8<S>; 2] {
+        let seen = self.strip.seen(rays);
+        let tube = self.tube.meet(simd, &seen);
+        match &self.tip {
+            Tip::Flat | Tip::Ball(None) => tube,
+            Tip::Ball(Some(disc)) => {
+                let zero = f64x8::splat(simd, 0.0);
+                let exit_of =
+                    |met: [f64x8<S>; 2]| met[0].simd_lt(f64::INFINITY).select(met[1], zero);
+                let ball = disc.meet(simd, rays, ends);
+                [ball[0].min(tube[0]), exit_of(ball).max(exit_of(tube))]
+            }
+            Tip::Other(mill) => {
+                let mut met = [f64x8::splat(simd, f64::INFINITY); 2];
+                let may_be_met = tube[0].simd_lt(ends).to_bitmask();
+                for lane in (0..ends.as_slice().len()).filter(|lane| may_be_met >> lane & 1 == 1) {
+                    let ray = [seen.cos[lane], seen.sin[lane]];
+                    let within = [tube[0][lane], tube[1][lane]];
+                    if let Some([entry, exit]) = self.tube.enter(mill, ray, within, ends[lane]) {
+                        (met[0][lane], met[1][lane]) = (entry, exit);
+                    }
+                }
+                met
+            }
+        }
+    }
+
+    // A row cuts it in an ellipse, and its sections lie one beside the other.
+    #[inline(always)]
+    fn is_within<S: Simd>(&self, _: &Self, _: &Borders<S>, _: &[f64x8<S>; 2]) -> u64 {
+        0
+    }
+}
+
+impl Tube {
+    /// Where a ray enters the mill in it and leaves it, if it enters before `limit`; the ray is in
+    /// the tube on the stretch `[from, to]`.
+    #[inline(never)]
+    fn enter(
+        &self,
+        mill: &Mill,
+        [cos, sin]: [f64; 2],
+        [from, to]: [f64; 2],
+        limit: f64,
+    ) -> Option<[f64; 2]> {
+        let ([t, n, b], [upright, aslant]) = (self.axis, self.lean);
+        let g = |s: f64| {
+            let jet = mill.along(n - s * cos * aslant, b + s * sin, -cos * aslant, sin);
+            [t + s * cos * upright + jet.value, cos * upright + jet.slope]
+        };
+        let end = to.min(limit);
+        let [entry, exit] = positive_stretch(g, [from, end])?;
+        (entry < limit).then_some([entry, if exit == end { to } else { exit }])
     }
 }
 
@@ -200,7 +224,7 @@ mod tests {
     use crate::machine::{AxisValues, Machine};
     use crate::progress::Silent;
     use crate::stock::Sweep;
-    use crate::tool::Profile;
+    use crate::tool::{Cutter, HeightFunction, Profile};
 
     /// A round block of radius 20 and 40 mm high on the five-axis mill, its cradle held at an angle.
     fn block(tilt_deg: f64, resolution: f64) -> (Machine, AxisValues, Stock) {
@@ -250,6 +274,53 @@ mod tests {
                 }
             }
             assert!(n_cut > 50, "{n_cut}");
+        }
+    }
+
+    #[test]
+    fn any_leaning_mill_takes_every_ray_down_to_where_its_height_function_says() {
+        let profiles = [
+            Profile::Flat { radius: 4.0 },
+            Profile::Bull { radius: 5.0, corner_radius: 1.5 },
+            Profile::BallCone { radius: 5.0, tip_radius: 1.0, half_angle: 0.3 },
+        ];
+        let tilts = [25.0, 60.0, 80.0].into_iter();
+        for (tilt, profile) in tilts.flat_map(|tilt| profiles.map(|profile| (tilt, profile))) {
+            let (_, _, mut stock) = block(tilt, 1.0);
+            let layout = stock.layout().clone();
+            let cutter = profile.cutter(0.0);
+            let Cutter::Mill(mill) = cutter else { panic!("no mill") };
+            let before = stock.clone();
+            // Down the side, over the end of the block, and past its edge.
+            let stances = [(-30.0, 0.4, 17.0), (-12.0, 2.6, 14.0), (-38.0, 4.7, 12.0)]
+                .map(|(x, turn, value)| layout.stance(x, turn, value));
+            stock.remove_at(&cutter, &stances, &Silent).unwrap();
+            // How far a place lies inside the tool, on its own axis' way or to its side.
+            let inside = |place: &Point3| {
+                let depths = stances.iter().map(|stance| {
+                    let out: Vector3 = place - stance.point;
+                    let along = out.dot(&stance.attack);
+                    let aside = (out - stance.attack * along).norm();
+                    let height = mill.height(aside.min(mill.reach().x), 0.0).unwrap();
+                    (along + height).min(mill.reach().x - aside)
+                });
+                depths.fold(f64::NEG_INFINITY, f64::max)
+            };
+            let mut n_cut = 0;
+            for row in 0..layout.n_rows() {
+                for column in 0..layout.n_columns() {
+                    let [end, old] = [&stock, &before].map(|s| s.end(row, column).unwrap_or(0.0));
+                    let depth = inside(&layout.point(row, column, end));
+                    if end < old {
+                        n_cut += 1;
+                        let is_on = depth.abs() < 1e-5 || end == 0.0;
+                        assert!(is_on, "{profile} at {tilt}: {depth} at {row}, {column}");
+                    } else {
+                        assert!(depth < 1e-6, "{profile} at {tilt}: {depth} left");
+                    }
+                }
+            }
+            assert!(n_cut > 50, "{profile} at {tilt}: {n_cut}");
         }
     }
 

@@ -94,49 +94,60 @@ impl MillSection {
             let (a, b) = ((across - half) / sin, (across + half) / sin);
             [a.min(b).max(0.0), a.max(b)]
         };
+        let g = |s: f64| {
+            let jet = self.mill.along(self.dx, s * sin - across, 0.0, sin);
+            [s * cos - self.along + jet.value, cos + jet.slope]
+        };
         let end = side.min(limit);
-        if end <= from {
-            return None;
-        }
-        let is_inside = |s: f64| {
-            let height = self.mill.height(self.dx, s * sin - across);
-            height.is_some_and(|u| s * cos - self.along + u >= 0.0)
-        };
-        let ends_inside = is_inside(end);
-        let entry = if is_inside(from) {
-            from
-        } else {
-            // `low` stays outside, before the tool. `high` is inside once `found`; until then it is
-            // a place at or behind which the tool is not entered any more.
-            let (mut low, mut high, mut found) = (from, end, ends_inside);
-            for _ in 0..MOST_HALVINGS {
-                if high - low < CLOSE {
-                    break;
-                }
-                let middle = f64::midpoint(low, high);
-                let jet = self.mill.along(self.dx, middle * sin - across, 0.0, sin);
-                let (g, slope) = (middle * cos - self.along + jet.value, cos + jet.slope);
-                if g >= 0.0 {
-                    (high, found) = (middle, true);
-                } else if slope > 0.0 {
-                    // A tangent lies over a concave function: the way in is not before its root.
-                    low = middle - g / slope;
-                } else if found {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            found.then_some(high)?
-        };
-        if ends_inside {
-            return (entry < limit).then_some([entry, side]);
-        }
-        let (mut inside, mut outside) = (entry, end);
-        while outside - inside > CLOSE {
-            let middle = f64::midpoint(inside, outside);
-            *(if is_inside(middle) { &mut inside } else { &mut outside }) = middle;
-        }
-        Some([entry, outside])
+        let [entry, exit] = positive_stretch(g, [from, end])?;
+        (entry < limit).then_some([entry, if exit == end { side } else { exit }])
     }
+}
+
+/// Where a concave function is not negative between `from` and `end`: from the first such place to
+/// the last. `g` gives its value and its slope.
+#[inline(always)]
+pub(super) fn positive_stretch(
+    g: impl Fn(f64) -> [f64; 2],
+    [from, end]: [f64; 2],
+) -> Option<[f64; 2]> {
+    if end <= from {
+        return None;
+    }
+    let is_inside = |s: f64| g(s)[0] >= 0.0;
+    let ends_inside = is_inside(end);
+    let entry = if is_inside(from) {
+        from
+    } else {
+        // `low` stays outside, before the way in. `high` is inside once `found`; until then it is a
+        // place at or behind which there is no way in any more.
+        let (mut low, mut high, mut found) = (from, end, ends_inside);
+        for _ in 0..MOST_HALVINGS {
+            if high - low < CLOSE {
+                break;
+            }
+            let middle = f64::midpoint(low, high);
+            let [value, slope] = g(middle);
+            if value >= 0.0 {
+                (high, found) = (middle, true);
+            } else if slope > 0.0 {
+                // A tangent lies over a concave function: the way in is not before its root.
+                low = middle - value / slope;
+            } else if found {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        found.then_some(high)?
+    };
+    if ends_inside {
+        return Some([entry, end]);
+    }
+    let (mut inside, mut outside) = (entry, end);
+    while outside - inside > CLOSE {
+        let middle = f64::midpoint(inside, outside);
+        *(if is_inside(middle) { &mut inside } else { &mut outside }) = middle;
+    }
+    Some([entry, outside])
 }

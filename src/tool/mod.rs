@@ -26,6 +26,7 @@ pub(crate) use place::printable;
 pub use profile::Profile;
 pub use shape::Shape;
 pub use wheel::Wheel;
+pub(crate) use wheel::disc_chord;
 
 /// A cutter as the tool library lists it.
 #[derive(Debug, Clone, PartialEq)]

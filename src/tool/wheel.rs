@@ -211,7 +211,7 @@ fn slab(at: f64, step: f64, limit: f64) -> Option<[f64; 2]> {
 
 /// Where the line `(x + s dx, z + s dz)` runs inside the disc of `radius` about the origin.
 #[inline(always)]
-pub(super) fn disc_chord(x: f64, z: f64, dx: f64, dz: f64, radius: f64) -> Option<[f64; 2]> {
+pub(crate) fn disc_chord(x: f64, z: f64, dx: f64, dz: f64, radius: f64) -> Option<[f64; 2]> {
     let speed = dx * dx + dz * dz;
     if speed == 0.0 {
         return (x * x + z * z <= radius * radius).then_some([f64::NEG_INFINITY, f64::INFINITY]);
