@@ -135,7 +135,7 @@ fn cut_in_simulation_no_cut_is_too_deep_and_hardly_one_is_in_air() {
     for (block, most_air) in blocks {
         let plan = roughed(&last, &block, DEPTH, &options()).unwrap();
         let rough = plan.report.rough.as_ref().unwrap();
-        let links = rough.links.unwrap();
+        let links = rough.links;
         assert!(links.n_rapids > 2 * rough.n_cuts && links.clearance > 15.0, "{links:?}");
         let program = program_of(&plan, &machine);
         let setup = CamOptions { allowance: Some(1.0), ..options() };

@@ -19,21 +19,29 @@ const RESOLUTION: f64 = 2.0;
 /// A tool that leaves its cut touches it; what is no deeper than this is the stock's own error [mm].
 const TOUCHES: f64 = 0.1;
 
-/// Proves that no rapid of `path` meets what is left of `block` by then; `None` where the part turns
-/// on a tilted table, whose stock cannot be told.
+/// Proves that no rapid of `path` meets what is left of `block` by then.
 pub(super) fn prove_links(
     ground: &Ground,
     block: &TriMesh,
     path: &Toolpath,
     progress: &dyn Progress,
-) -> Result<Option<LinkReport>, CamError> {
-    let Some(first) = path.moves.first().filter(|_| ground.run.line.is_none()) else {
-        return Ok(None);
-    };
+) -> Result<LinkReport, CamError> {
     let machine = ground.machine();
     let resolution = RESOLUTION.min(machine.clearance / 4.0);
-    let space = space(ground, block, path, &first.to);
-    let layout = Layout::new(machine, &first.to, &space, Resolution::even(resolution))?;
+    // Rays about a table that turns stand for any of its angles; others are held as at rest.
+    let layout = match (&ground.run.line, path.moves.first()) {
+        (Some(line), _) => {
+            let (space, even) = (Aabb::around(&block.points), Resolution::even(resolution));
+            Layout::about(machine, &ground.run.stand.rest, line.axis, &space, even)?
+        }
+        (None, Some(first)) => {
+            let space = space(ground, block, path, &first.to);
+            Layout::new(machine, &first.to, &space, Resolution::even(resolution))?
+        }
+        (None, None) => {
+            return Ok(LinkReport { n_rapids: 0, clearance: machine.clearance, resolution });
+        }
+    };
     let mut proof = Proof {
         machine,
         cutter: ground.tool.profile.cutter(0.0),
@@ -43,7 +51,7 @@ pub(super) fn prove_links(
     progress.start("proving links", path.moves.len() as u64);
     let n_rapids = proof.follow(&path.moves, progress)?;
     let clearance = proof.clearance;
-    Ok(Some(LinkReport { n_rapids, clearance, resolution }))
+    Ok(LinkReport { n_rapids, clearance, resolution })
 }
 
 /// The block, and on a table all that lies beneath it down to where the tool is looked for: a ray says

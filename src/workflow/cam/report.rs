@@ -113,8 +113,8 @@ pub struct RoughReport {
     pub n_positions: usize,
     /// What the machine can hold of the feed, in the cuts alone.
     pub held: FeedReport,
-    /// What is proved of the rapids; absent where the part turns on a tilted table.
-    pub links: Option<LinkReport>,
+    /// What is proved of the rapids.
+    pub links: LinkReport,
 }
 
 /// What is proved of the rapids of a roughing.

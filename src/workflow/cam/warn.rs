@@ -45,11 +45,6 @@ impl CamReport {
                  another --axis"
             ));
         }
-        if self.rough.as_ref().is_some_and(|rough| rough.links.is_none()) {
-            say("rapids between cuts run above where the tool would stop, position by position, but are \
-                 not held against the stock: where a tilted table turns the part it cannot be told"
-                .into());
-        }
         let [overrun, whole] = self.run.overrun;
         if overrun < 0.98 * whole {
             say(format!(

@@ -64,7 +64,7 @@ pub(super) fn run(report: &CamReport) -> Vec<Block> {
         facts.push(fact("Deepest cut", format!("{} mm", fine(rough.max_depth))));
         facts.push(fact("Cuts", format!("{}, a link before each", count(rough.n_cuts))));
         facts.push(fact("Positions of all cuts", count(rough.n_positions)));
-        facts.extend(rough.links.as_ref().map(|links| fact("Rapids", clear(links))));
+        facts.push(fact("Rapids", clear(&rough.links)));
     }
     vec![Block::Facts(facts)]
 }

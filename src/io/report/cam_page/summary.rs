@@ -30,9 +30,7 @@ pub fn cam_summary(report: &CamReport) -> String {
     lines.add("run", run(&report.run));
     if let Some(rough) = &report.rough {
         lines.add("rough", self::rough(rough));
-        if let Some(links) = &rough.links {
-            lines.add("rapids", clear(links));
-        }
+        lines.add("rapids", clear(&rough.links));
     }
     if let Some(certificate) = &report.certificate {
         lines.add("proof", proof(certificate));
