@@ -71,6 +71,7 @@ mod tests {
             blocks_per_second: 1000.0,
             tool_changes: ToolChanges::default(),
             look_ahead_blocks: None,
+            obstacles: crate::machine::Obstacles::default(),
         }
     }
 

@@ -2,10 +2,12 @@
 //!
 //! `machines/*.toml` explain the keys. Degrees become radians here and nowhere else.
 
-use super::file::{AxisFile, ClampingFile, MachineFile};
+use super::file::{AxisFile, ClampingFile, MachineFile, ObstaclesFile};
 use super::follow::follow;
 use super::read_axis::axis;
-use super::{Axis, AxisKind, Carries, Clamping, MAX_AXES, Machine, MachineError, Mount};
+use super::{
+    Axis, AxisKind, Carries, Clamping, Dogs, MAX_AXES, Machine, MachineError, Mount, Obstacles,
+};
 use crate::tool::{Place, ToolError, ToolLibrary, printable};
 use std::ops::Range;
 use toml::Spanned;
@@ -59,6 +61,10 @@ fn read(text: &str) -> Result<Machine, Flaw> {
         blocks_per_second: positive("blocks-per-second", &file.blocks_per_second)?,
         tool_changes: file.tool_changes,
         look_ahead_blocks: file.look_ahead_blocks.as_ref().map(look_ahead).transpose()?,
+        obstacles: file
+            .obstacles
+            .as_ref()
+            .map_or_else(|| Ok(Obstacles::default()), |given| obstacles(given, &file.clamping))?,
     };
     check_default_tool(&machine, &file.default_tool)?;
     Ok(machine)
@@ -154,6 +160,29 @@ fn clamping(file: &ClampingFile) -> Result<Clamping, Flaw> {
             gap: positive("gap", gap)?,
         },
     })
+}
+
+/// Only what is there beside a part held like that.
+fn obstacles(file: &ObstaclesFile, clamping: &ClampingFile) -> Result<Obstacles, Flaw> {
+    let foreign = |key, beside| MachineError::Obstacle { key, beside };
+    let mut obstacles = Obstacles::default();
+    if let Some(given) = &file.dogs {
+        if !matches!(clamping, ClampingFile::Nibs { .. }) {
+            return Err(flaw(given, foreign("dogs", "between dogs, by [clamping.nibs]")));
+        }
+        let dogs = given.get_ref();
+        obstacles.dogs = Some(Dogs {
+            radius: positive("radius", &dogs.radius)?,
+            length: positive("length", &dogs.length)?,
+        });
+    }
+    if let Some(given) = &file.table_radius {
+        if !matches!(clamping, ClampingFile::Table) {
+            return Err(flaw(given, foreign("table-radius", "by clamping = \"table\"")));
+        }
+        obstacles.table_radius = Some(positive("table-radius", given)?);
+    }
+    Ok(obstacles)
 }
 
 /// A control that sees one block alone stops after each; that is none for paths of small steps.

@@ -51,6 +51,16 @@ pub enum MachineError {
         /// What is possible.
         rule: &'static str,
     },
+    /// An obstacle where there is none.
+    #[error(
+        "{key} is for a machine that holds the part {beside}, and this one does not: leave it out"
+    )]
+    Obstacle {
+        /// The key in the file.
+        key: &'static str,
+        /// How the part must be held.
+        beside: &'static str,
+    },
     /// A letter programs do not use for that kind of axis.
     #[error(
         "{letter:?} cannot be the letter of a {} axis: programs call linear axes X, Y, Z, U, V or W \

@@ -23,7 +23,24 @@ pub(super) struct MachineFile {
     #[serde(default)]
     pub(super) tool_changes: ToolChanges,
     pub(super) look_ahead_blocks: Option<Spanned<i64>>,
+    pub(super) obstacles: Option<ObstaclesFile>,
     pub(super) axis: Vec<AxisFile>,
+}
+
+/// `[obstacles]`: what stands around the part.
+#[derive(serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(super) struct ObstaclesFile {
+    pub(super) dogs: Option<Spanned<DogsFile>>,
+    pub(super) table_radius: Option<Spanned<f64>>,
+}
+
+/// `dogs = { radius = 20, length = 60 }`
+#[derive(serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(super) struct DogsFile {
+    pub(super) radius: Spanned<f64>,
+    pub(super) length: Spanned<f64>,
 }
 
 /// One axis. Of each pair of keys the one in the unit of the axis' kind must be given.

@@ -48,6 +48,26 @@ pub struct Machine {
     /// Blocks the control plans at once, the running one included, 2 or more; `None` if they are
     /// so many that they slow nothing down.
     pub look_ahead_blocks: Option<usize>,
+    /// What stands around the part, as far as its sizes are known.
+    pub obstacles: Obstacles,
+}
+
+/// What stands around the part and must not be touched, as far as its sizes are known.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Obstacles {
+    /// The dogs at both ends of a part that is held on stubs.
+    pub dogs: Option<Dogs>,
+    /// Of a round table about the axis that turns the part, or about the origin [mm].
+    pub table_radius: Option<f64>,
+}
+
+/// Two dogs about the spindle axis; a chuck and a tailstock are such as well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dogs {
+    /// Radius [mm].
+    pub radius: f64,
+    /// From their faces outwards [mm].
+    pub length: f64,
 }
 
 /// Which way the tool's own axis of revolution points.

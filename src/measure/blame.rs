@@ -5,8 +5,8 @@ use crate::gcode::Program;
 use crate::geom::Point3;
 use crate::machine::Machine;
 use crate::progress::Silent;
-use crate::stock::Stock;
-use crate::tool::Tool;
+use crate::stock::{Stock, StockError, Sweep};
+use crate::tool::{Cutter, Tool};
 
 /// A ray this close to where it ended has been cut to its end [mm].
 const SAME: f64 = 1e-6;
@@ -33,27 +33,37 @@ pub fn blame(
             return Ok(());
         }
         let cutter = batch.tool.profile.cutter(0.0);
-        // Halved as long as it takes: the first half is cut, and if that was not it, the second.
-        let mut range = 0..batch.sweeps.len();
-        let mut step = range.len();
-        while !range.is_empty() {
-            let mut trial = row.clone();
-            let sweeps = &batch.sweeps[range.start..range.start + step];
-            trial
-                .remove(machine, &cutter, sweeps, &Silent)
-                .map_err(|problem| SimulateError::between(batch.lines(), problem))?;
-            if !is_cut(&trial) {
-                range.start += step;
-                row = trial;
-            } else if step == 1 {
-                found = batch.line(range.start);
-                break;
-            } else {
-                range.end = range.start + step;
-            }
-            step = range.len().div_ceil(2).min(range.len());
-        }
+        let i_sweep = first_to_cut(&mut row, machine, &cutter, &batch.sweeps, is_cut)
+            .map_err(|problem| SimulateError::between(batch.lines(), problem))?;
+        found = i_sweep.and_then(|i| batch.line(i));
         Ok(())
     })?;
     Ok(found)
+}
+
+/// The first of `sweeps` after which `stock` `is_cut`. Without one, all of them have cut it then.
+pub(super) fn first_to_cut(
+    stock: &mut Stock,
+    machine: &Machine,
+    cutter: &Cutter,
+    sweeps: &[Sweep],
+    is_cut: impl Fn(&Stock) -> bool,
+) -> Result<Option<usize>, StockError> {
+    // Halved as long as it takes: the first half is cut, and if that was not it, the second.
+    let mut range = 0..sweeps.len();
+    let mut step = range.len();
+    while !range.is_empty() {
+        let mut trial = stock.clone();
+        trial.remove(machine, cutter, &sweeps[range.start..range.start + step], &Silent)?;
+        if !is_cut(&trial) {
+            range.start += step;
+            *stock = trial;
+        } else if step == 1 {
+            return Ok(Some(range.start));
+        } else {
+            range.end = range.start + step;
+        }
+        step = range.len().div_ceil(2).min(range.len());
+    }
+    Ok(None)
 }

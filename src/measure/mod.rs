@@ -16,6 +16,6 @@ pub use blame::blame;
 pub use deviation::{Bin, Deviation, DeviationReport, Spot, Target, Within, deviation};
 pub use limit::limit;
 pub use simulate::{
-    BodiesReport, CheckedBody, Collision, CollisionKind, Extreme, ResolutionReport, SimulateError,
-    Simulation, SimulationReport, simulate,
+    Blank, BodiesReport, CheckedBody, Collision, CollisionKind, Extreme, Fixture, Fixtures,
+    ResolutionReport, SimulateError, Simulation, SimulationReport, simulate,
 };

@@ -36,6 +36,7 @@ mod stance;
 mod strip;
 mod stripe;
 mod surface;
+mod thickness;
 mod trace;
 mod under_ball;
 mod under_leaning_mill;
@@ -48,6 +49,7 @@ pub use layout::{Layout, Resolution};
 pub use remove::Sweep;
 pub use row::Cut;
 pub use stance::Stance;
+pub use thickness::Layer;
 
 use crate::progress::Cancelled;
 

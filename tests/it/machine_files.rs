@@ -1,6 +1,6 @@
 //! Mistakes in machine files: each is refused, and shown at its line and column.
 
-use horma::machine::Machine;
+use horma::machine::{Dogs, Machine, Obstacles};
 use horma::tool::ToolLibrary;
 
 const LATHE: &str = "last-lathe";
@@ -44,6 +44,30 @@ fn a_control_that_looks_ahead_sees_two_blocks_or_more() {
         let told = problem(LATHE, key, [key, &with(blocks)], &place);
         assert_eq!(told, format!("look-ahead-blocks is {blocks}: it must be 2 or more"));
     }
+}
+
+#[test]
+fn obstacles_have_sizes_and_stand_where_parts_are_held_like_that() {
+    let key = "length = 25    # from the face of each dog to the part\n";
+    let with = |obstacles: &str| format!("{key}[obstacles]\n{obstacles} # given\n");
+    let text = Machine::builtin_text(LATHE).unwrap();
+    let given = text.replace(key, &with("dogs = { radius = 22.5, length = 80 }"));
+    let dogs = Machine::parse(&given, "my.toml").unwrap().obstacles.dogs;
+    assert_eq!(dogs, Some(Dogs { radius: 22.5, length: 80.0 }));
+    for name in Machine::builtin_names() {
+        assert_eq!(Machine::builtin(name).unwrap().obstacles, Obstacles::default(), "{name}");
+    }
+    let refused = |obstacles: &str, place: &str| {
+        problem(LATHE, key, [key, &with(obstacles)], &format!("{place} # given"))
+    };
+    let told = refused("dogs = { radius = 0, length = 81 }", "dogs = { radius = ^0, length = 81 }");
+    assert_eq!(told, "radius is 0: it must be greater than 0");
+    let told = refused("table-radius = 150.5", "table-radius = ^150.5");
+    assert_eq!(
+        told,
+        "table-radius is for a machine that holds the part by clamping = \"table\", and this one does \
+         not: leave it out"
+    );
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use horma::cam::{Move, Pace, Toolpath};
 use horma::geom::{Point3, Vector3};
 use horma::machine::{
-    Axis, AxisKind, AxisValues, Carries, Clamping, Follow, MAX_AXES, Machine, Mount, ToolChanges,
+    Axis, AxisKind, AxisValues, Carries, Clamping, Follow, MAX_AXES, Machine, Mount, Obstacles,
+    ToolChanges,
 };
 use horma::tool::{Profile, Tool, Turns};
 use rand::{RngExt, SeedableRng};
@@ -112,6 +113,7 @@ fn machine(name: &str, axes: Vec<Axis>, attack: usize) -> Machine {
         blocks_per_second: 1000.0,
         tool_changes: ToolChanges::WithinPrograms,
         look_ahead_blocks: None,
+        obstacles: Obstacles::default(),
     }
 }
 

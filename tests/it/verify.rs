@@ -8,8 +8,8 @@ use horma::cam::{SetupOptions, Strategy, set_up};
 use horma::gcode::{Dialect, Program, read};
 use horma::geom::{Aabb, LengthUnit, Point3, Surface, TriMesh, shapes};
 use horma::io::{Overwrite, read_surface, write_surface};
-use horma::machine::Machine;
-use horma::measure::{CollisionKind, simulate};
+use horma::machine::{Dogs, Machine, Obstacles};
+use horma::measure::{CollisionKind, Fixture, simulate};
 use horma::progress::Silent;
 use horma::stock::{Layout, Resolution, Stock};
 use horma::tool::{Body, BodyPart, Side, Tool, ToolLibrary};
@@ -93,6 +93,8 @@ fn a_bar_turned_right_is_right_within_the_stated_error() {
     // The stubs are thinner than the bar, and the wheel stays at its radius: air.
     assert!(found.deviation.gouge.is_none_or(|spot| spot.value < 1e-3));
     assert!((found.simulation.greatest_depth.unwrap().value - 1.0).abs() < 0.02);
+    let thickest = found.simulation.thickest_cut.unwrap();
+    assert!((thickest.value - 1.0).abs() < 0.02 && thickest.line.is_some(), "{thickest:?}");
     let histogram: f64 = found.deviation.histogram.iter().map(|bin| bin.area).sum();
     assert!((histogram / found.deviation.area - 1.0).abs() < 1e-3);
 }
@@ -161,6 +163,39 @@ fn a_spindle_too_thick_for_its_wheel_collides_as_deep_as_the_stock_stands_then()
 }
 
 #[test]
+fn a_dog_in_the_way_is_named_with_its_line_and_depth_where_its_size_is_known() {
+    // Past the toe end of the stub, at X 150, to 8 mm below the face of a dog of radius 20.
+    let text = "G21 G90 G94\nG0 Y140\nG0 X155 A0\nG1 Y82 F500\nG0 Y140\nM30\n";
+    let program = read(&mut text.as_bytes(), &lathe(), &linuxcnc()).unwrap();
+    let found = |obstacles: Obstacles| {
+        let machine = Machine { obstacles, ..lathe() };
+        let job = VerifyJob {
+            program_name: "program".into(),
+            program: &program,
+            part_name: "part".into(),
+            surface: Surface::Mesh(round_bar()),
+            notes: Vec::new(),
+            machine: &machine,
+            tools: vec![wheel()],
+            setup: &CamOptions::default(),
+            block: RawBlock::Grown(1.0),
+            options: &VerifyOptions { resolution: Some(1.0), tolerance: None },
+        };
+        verify(job, &Silent).unwrap().report
+    };
+    let report = found(Obstacles::default());
+    assert_eq!((report.simulation.n_collisions, report.simulation.fixtures), (0, vec![]));
+    let dogs = Dogs { radius: 20.0, length: 60.0 };
+    let report = found(Obstacles { dogs: Some(dogs), ..Obstacles::default() });
+    assert_eq!(report.simulation.fixtures, [Fixture::Dog]);
+    let [hit, out] = report.simulation.collisions[..] else { panic!("{:?}", report.faults) };
+    assert_eq!((hit.line, hit.kind, hit.by), (4, CollisionKind::Dog, None));
+    assert!((hit.depth - 8.0).abs() < 0.06, "{hit:?}");
+    assert_eq!(out.line, 5, "and the way out goes through it again");
+    assert!(report.faults[0].contains("runs 8.0") && report.faults[0].contains("into a dog"));
+}
+
+#[test]
 fn a_pass_that_was_made_before_cuts_air() {
     let lines = "G1 X60 Y99 F1000\nG1 X80\nG1 X60\nG1 X80\n";
     let text = format!("G21 G90 G94\nG0 Y140\nG0 X40 A0\n{lines}G1 Y130\nG0 Y140\nM30\n");
@@ -188,7 +223,7 @@ fn a_prism_cut_by_its_program_has_its_own_volume() {
     let resolution = Resolution::even(0.4);
     let layout = Layout::new(&machine, &machine.at_rest(), &inside, resolution).unwrap();
     let stock = Stock::cylinder(layout, 26.0);
-    let done = simulate(&program, &machine, &[wheel()], stock, &Silent).unwrap();
+    let done = simulate(&program, &machine, &[wheel()], stock.into(), &Silent).unwrap();
     let expected = 3.0 * 625.0 * (std::f64::consts::TAU / 6.0).sin() * (to - from);
     let volume = done.report.end_volume;
     assert!((volume / expected - 1.0).abs() < 1e-3, "{volume} for {expected}");
@@ -269,8 +304,12 @@ fn a_job_shows_in_its_own_report_what_its_program_leaves() {
     assert_eq!(verified["block"], "the part with 1 mm more all over");
     assert_eq!(verified["simulation"]["n-collisions"], 0);
     let depth = verified["simulation"]["greatest-depth"]["value"].as_f64().unwrap();
-    // The wheel shaves the ends of the block as well, where they are deep along a ray.
-    assert!((0.9..6.0).contains(&depth), "{depth}");
+    // The wheel shaves the ends of the block as well, where they are deep along a ray. But the layer
+    // it takes is nowhere thicker than the stock: between rays 1 mm apart by one of them at most.
+    assert!((1.5..6.0).contains(&depth), "{depth}");
+    let thickest = &verified["simulation"]["thickest-cut"];
+    let thickness = thickest["value"].as_f64().unwrap();
+    assert!((0.95..1.5).contains(&thickness) && thickest["line"].is_u64(), "{thickest}");
     let page = std::fs::read_to_string(shop.path("out.report.html")).unwrap();
     assert!(page.contains("Cut in simulation") && page.contains("Unrolled about the spindle."));
     // Roughing is cut from the block it was made for.

@@ -4,11 +4,12 @@ use crate::jobs::{cut, program_of};
 use crate::verify::{linuxcnc, verified_on};
 use horma::cam::{Block, Strategy};
 use horma::gcode::read;
-use horma::geom::{Aabb, Point3, Surface, Vector3, shapes};
+use horma::geom::{Aabb, Point3, Surface, TriMesh, Vector3, shapes};
 use horma::machine::Machine;
+use horma::measure::CollisionKind;
 use horma::progress::Silent;
-use horma::tool::ToolLibrary;
-use horma::workflow::cam::CamOptions;
+use horma::tool::{Body, BodyPart, Tool, ToolLibrary};
+use horma::workflow::cam::{CamOptions, Job, rough};
 use horma::workflow::verify::{RawBlock, VerifyJob, VerifyOptions, verify};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -37,11 +38,65 @@ fn a_part_indexed_on_a_tilted_table_is_simulated_as_the_tool_sees_it() {
     assert_eq!(found.simulation.n_collisions, 0);
 }
 
+/// A round column that stands on the table, 40 mm high.
+fn column() -> TriMesh {
+    let upright = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -FRAC_PI_2);
+    let lying = shapes::stub(180, 20.0, 0.0, 40.0);
+    lying.moved(&Isometry3::from_parts(Translation3::identity(), upright))
+}
+
+#[test]
+fn roughing_about_a_tilted_table_proves_its_rapids_and_watches_what_carries_the_tool() {
+    let machine = Machine::builtin("mill-5axis").unwrap();
+    let options = CamOptions {
+        strategy: Some(Strategy::Helix),
+        pitch: Some(4.0),
+        points_per_turn: Some(60),
+        max_depth: Some(4.0),
+        hold: vec!["A=60".into()],
+        ..Default::default()
+    };
+    let flat = ToolLibrary::builtin().find("flat-12").unwrap();
+    let job = Job {
+        name: "column".into(),
+        surface: Surface::Mesh(column()),
+        notes: Vec::new(),
+        machine: &machine,
+        tool: flat.clone(),
+        dialect: &linuxcnc(),
+        options: &options,
+        keep_scene: false,
+    };
+    let plan = rough(job, &Block::Box { margin: 4.0 }, &Silent).unwrap();
+    let roughed = plan.report.rough.as_ref().unwrap();
+    assert!(roughed.links.n_rapids > 2 * roughed.n_cuts, "{roughed:?}");
+    assert!(roughed.links.clearance > 0.8 * machine.clearance, "{roughed:?}");
+
+    let program = program_of(&plan, &machine);
+    let collisions = |stick_out: f64| {
+        let body =
+            Body { holder_diameter: Some(40.0), stick_out: Some(stick_out), ..Body::default() };
+        let tool = Tool { body: Some(body), length: 150.0, ..flat.clone() };
+        let block = RawBlock::Body(Block::Box { margin: 4.0 });
+        let found = verified_on(("mill-5axis", &tool), &column(), &program, block, 1.0).report;
+        let found = found.simulation;
+        assert_eq!(found.bodies.checked[0].parts, [BodyPart::Holder]);
+        let depth = found.greatest_depth.unwrap().value;
+        assert!(found.thickest_cut.unwrap().value <= depth + 1e-9);
+        found.collisions
+    };
+    assert_eq!(collisions(100.0), []);
+    // Held short, it runs into the corners of the block.
+    let short = collisions(9.0);
+    assert!(
+        short.iter().any(|hit| hit.kind == CollisionKind::Holder && hit.depth > 1.0),
+        "{short:?}"
+    );
+}
+
 #[test]
 fn a_part_turned_on_a_tilted_table_is_simulated_about_the_table_s_axis() {
-    let part = shapes::stub(180, 20.0, 0.0, 40.0);
-    let upright = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -FRAC_PI_2);
-    let part = part.moved(&Isometry3::from_parts(Translation3::identity(), upright));
+    let part = column();
     let options = CamOptions {
         tool: Some("ball-10".into()),
         strategy: Some(Strategy::Helix),

@@ -46,7 +46,7 @@ pub(super) fn remove_beside(
     let pieces: Vec<Piece> = sweeps
         .iter()
         .enumerate()
-        .flat_map(|(i, sweep)| pieces(tool.machine, stock, i, sweep))
+        .flat_map(|(i, sweep)| pieces(tool.machine, stock.layout().reach(), i, sweep))
         .collect();
     let mut watch =
         Watch { stock, tool, cuts: vec![Cut::default(); sweeps.len()], hits: Vec::new(), progress };
@@ -55,8 +55,8 @@ pub(super) fn remove_beside(
 }
 
 /// A piece of a move.
-struct Piece {
-    sweep: Sweep,
+pub(super) struct Piece {
+    pub(super) sweep: Sweep,
     i_sweep: usize,
     is_last: bool,
 }
@@ -138,16 +138,16 @@ impl Watch<'_> {
     }
 }
 
-/// A move in pieces no longer than the stride.
-fn pieces(
+/// A move in pieces no longer than the stride, at `lever` from the axis of what turns.
+pub(super) fn pieces(
     machine: &Machine,
-    stock: &Stock,
+    lever: f64,
     i_sweep: usize,
     sweep: &Sweep,
 ) -> impl Iterator<Item = Piece> {
     let way = |(index, axis): (usize, &crate::machine::Axis)| {
         let way = (sweep.to[index] - sweep.from[index]).abs();
-        if axis.kind == AxisKind::Rotary { way * stock.layout().reach() } else { way }
+        if axis.kind == AxisKind::Rotary { way * lever } else { way }
     };
     let way: f64 = machine.axes.iter().enumerate().map(way).sum();
     let n = (way / STRIDE).ceil().clamp(1.0, MOST_PIECES) as usize;

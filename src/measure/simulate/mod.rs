@@ -1,10 +1,12 @@
 //! A program, as read back from its file, replayed on a block.
 
 mod bodies;
+mod fixtures;
 mod judge;
 mod moves;
 mod report;
 
+pub use fixtures::{Fixture, Fixtures};
 pub(super) use moves::for_each_batch;
 pub use report::{
     BodiesReport, CheckedBody, Collision, CollisionKind, Extreme, ResolutionReport,
@@ -17,6 +19,15 @@ use crate::progress::{Cancelled, Progress};
 use crate::stock::{Stock, StockError};
 use crate::tool::Tool;
 use judge::Judge;
+
+/// What a program runs on.
+#[derive(Debug, Clone)]
+pub struct Blank {
+    /// The block.
+    pub stock: Stock,
+    /// What stands around it.
+    pub fixtures: Fixtures,
+}
 
 /// What a program left of a block.
 #[derive(Debug, Clone)]
@@ -67,17 +78,24 @@ pub enum SimulateError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Runs `program` on `stock`. A single tool cuts throughout; of several the T words choose.
+impl From<Stock> for Blank {
+    /// A block with nothing known of what stands around it.
+    fn from(stock: Stock) -> Self {
+        Self { stock, fixtures: Fixtures::default() }
+    }
+}
+
+/// Runs `program` on `blank`. A single tool cuts throughout; of several the T words choose.
 pub fn simulate(
     program: &Program,
     machine: &Machine,
     tools: &[Tool],
-    stock: Stock,
+    blank: Blank,
     progress: &dyn Progress,
 ) -> Result<Simulation, SimulateError> {
     let steps = || program.steps(machine);
     progress.start("simulating", steps().count() as u64);
-    let mut judge = Judge::new(machine, stock);
+    let mut judge = Judge::new(machine, blank);
     judge.report.n_moves = steps().filter(|step| step.kind != StepKind::Dwell).count();
     for_each_batch(program, machine, tools, |batch| judge.run(&batch, progress))?;
     Ok(judge.finish())

@@ -5,6 +5,7 @@ use crate::gcode::{BlockKind, Program, Step, StepKind};
 use crate::machine::{AxisValues, Machine};
 use crate::stock::Sweep;
 use crate::tool::Tool;
+use std::ops::Range;
 
 /// Moves handed over together.
 const BATCH: usize = 65_536;
@@ -33,6 +34,15 @@ impl Batch<'_> {
     pub(in crate::measure) fn lines(&self) -> [u32; 2] {
         let line = |fact: Option<&Fact>| fact.map_or(0, |fact| fact.line);
         [line(self.facts.first()), line(self.facts.last())]
+    }
+
+    /// The moves in strokes: some rapids, and the feed moves they lead to.
+    pub(super) fn strokes(&self) -> Vec<Range<usize>> {
+        let is_first = |i: &usize| self.facts[*i].is_rapid && !self.facts[i - 1].is_rapid;
+        let starts = (1..self.facts.len()).filter(is_first).chain([self.facts.len()]);
+        let mut from = 0;
+        let stroke = |to: usize| std::mem::replace(&mut from, to)..to;
+        starts.map(stroke).collect()
     }
 
     /// The line of a move.

@@ -1,5 +1,7 @@
 //! What a simulation tells.
 
+use super::fixtures::Fixture;
+use crate::measure::Spot;
 use crate::stock::Resolution;
 use crate::tool::BodyPart;
 use serde::Serialize;
@@ -25,12 +27,19 @@ pub struct SimulationReport {
     pub air_seconds: f64,
     /// That as a share of it.
     pub air_share: f64,
-    /// The deepest cut: material over the tool since its engagement (since the last rapid) began.
+    /// The most material over the tool, along a ray, since its engagement (since the last rapid)
+    /// began. What `--max-depth` bounds; where the tool runs down a wall, the height of the wall.
     pub greatest_depth: Option<Extreme>,
+    /// The deepest cut: how thick a layer an engagement took, from a place of the new surface to the
+    /// nearest of the old one. At most what `greatest_depth` is; a sliver thinner than the way from
+    /// ray to ray counts for that at most.
+    pub thickest_cut: Option<Spot>,
     /// The most material in a second, over one move [mm3/s].
     pub greatest_rate: Option<Extreme>,
     /// What of the tools does not cut, and was looked at.
     pub bodies: BodiesReport,
+    /// What stands around the part and was looked at.
+    pub fixtures: Vec<Fixture>,
     /// How many collisions there were.
     pub n_collisions: usize,
     /// The first hundred of them.
@@ -60,6 +69,9 @@ pub struct Collision {
     pub line: u32,
     /// What collides.
     pub kind: CollisionKind,
+    /// What runs into a fixture, if it is not what cuts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by: Option<BodyPart>,
     /// How deep [mm].
     pub depth: f64,
 }
@@ -82,6 +94,10 @@ pub enum CollisionKind {
     Holder,
     /// Material reaches into the spindle.
     Spindle,
+    /// The tool runs into what holds an end of the part.
+    Dog,
+    /// The tool runs into the table.
+    Table,
 }
 
 /// What of the tools does not cut, and was looked at.
@@ -142,11 +158,27 @@ impl Collision {
             CollisionKind::Arbor => self.body("arbor"),
             CollisionKind::Holder => self.body("holder"),
             CollisionKind::Spindle => self.body("spindle"),
+            CollisionKind::Dog => self.fixture("a dog"),
+            CollisionKind::Table => self.fixture("the table"),
         }
+    }
+
+    fn fixture(&self, fixture: &str) -> String {
+        let part = self.by.map_or("tool", BodyPart::word);
+        format!("the {part} runs {:.2} mm deep into {fixture}", self.depth)
     }
 
     fn body(&self, part: &str) -> String {
         format!("the {part} runs {:.2} mm deep into material", self.depth)
+    }
+}
+
+impl From<Fixture> for CollisionKind {
+    fn from(fixture: Fixture) -> Self {
+        match fixture {
+            Fixture::Dog => Self::Dog,
+            Fixture::Table => Self::Table,
+        }
     }
 }
 
@@ -173,8 +205,10 @@ impl SimulationReport {
             air_seconds: 0.0,
             air_share: 0.0,
             greatest_depth: None,
+            thickest_cut: None,
             greatest_rate: None,
             bodies: BodiesReport::default(),
+            fixtures: Vec::new(),
             n_collisions: 0,
             collisions: Vec::new(),
             n_overhanging: 0,

@@ -14,7 +14,8 @@ use crate::gcode::{BlockKind, Program, StepKind};
 use crate::geom::Surface;
 use crate::machine::{AxisValues, Machine, MachineError};
 use crate::measure::{
-    Deviation, DeviationReport, SimulateError, SimulationReport, Target, blame, deviation, simulate,
+    Blank, Deviation, DeviationReport, Fixtures, SimulateError, SimulationReport, Target, blame,
+    deviation, simulate,
 };
 use crate::progress::Progress;
 use crate::stock::{Resolution, Stock, StockError};
@@ -135,7 +136,8 @@ pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, Verif
     let block = || job.block.stock(&setup, job.machine, &rays);
     let stock = block()?;
     let Surface::Mesh(mesh) = &setup.surface else { return Err(VerifyError::NoTriangles) };
-    let simulated = simulate(job.program, job.machine, &job.tools, stock, progress)?;
+    let blank = Blank { stock, fixtures: Fixtures::around(&setup, job.machine)? };
+    let simulated = simulate(job.program, job.machine, &job.tools, blank, progress)?;
     let part = match turner {
         Some(axis) => above_table(setup.clone(), job.machine, axis, &job.tools, &simulated.stock)
             .ok_or(VerifyError::NoTriangles)?,

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use horma::gcode::DialectError;
 use horma::io::{self, DescriptionError};
 use horma::machine::{
-    Axis, AxisKind, Carries, Clamping, Machine, MachineError, Mount, ToolChanges,
+    Axis, AxisKind, Carries, Clamping, Dogs, Machine, MachineError, Mount, Obstacles, ToolChanges,
 };
 use horma::tool::ToolError;
 use serde_json::{Value, json};
@@ -161,6 +161,12 @@ fn description(machine: &Machine) -> Value {
     if let Some(blocks) = machine.look_ahead_blocks {
         all["look-ahead-blocks"] = json!(blocks);
     }
+    if let Some(Dogs { radius, length }) = machine.obstacles.dogs {
+        all["obstacles"]["dogs"] = json!({ "radius": radius, "length": length });
+    }
+    if let Some(radius) = machine.obstacles.table_radius {
+        all["obstacles"]["table-radius"] = json!(radius);
+    }
     if let Some(spindle) = machine.spindle {
         all["spindle"] = json!(machine.axes[spindle].letter);
     }
@@ -215,6 +221,9 @@ fn summary(machine: &Machine) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "  {what:<10} {value}");
     }
+    for obstacle in obstacles(machine) {
+        let _ = writeln!(text, "  {:<10} {obstacle}", "obstacle");
+    }
     let head = ["AXIS", "KIND", "CARRIES", "ALONG", "WORD", "LIMITS", "SPEED", "ACCELERATION", ""];
     let mut rows = vec![head.map(str::to_owned)];
     rows.extend(machine.axes.iter().map(|axis| axis_row(machine, axis)));
@@ -226,6 +235,16 @@ fn tool_changes(changes: ToolChanges) -> &'static str {
         ToolChanges::WithinPrograms => "within programs: one program can use several tools",
         ToolChanges::BetweenPrograms => "between programs: each program has one tool",
     }
+}
+
+/// What stands around the part, as far as its sizes are known.
+fn obstacles(machine: &Machine) -> impl Iterator<Item = String> {
+    let Obstacles { dogs, table_radius } = machine.obstacles;
+    let dogs = dogs.map(|Dogs { radius, length }| {
+        format!("dogs of radius {} mm, {} mm long", number(radius), number(length))
+    });
+    let table = table_radius.map(|radius| format!("a table of radius {} mm", number(radius)));
+    dogs.into_iter().chain(table)
 }
 
 fn control(machine: &Machine) -> String {

@@ -1,7 +1,7 @@
 //! The tables of a verification.
 
 use super::super::{Block, Figure, Table};
-use super::words::{bodies, exactness, left, percent, spot};
+use super::words::{bodies, exactness, fixtures, left, percent, spot};
 use crate::measure::{Extreme, Spot, Within};
 use crate::workflow::verify::VerifyReport;
 
@@ -65,10 +65,12 @@ pub(super) fn way(report: &VerifyReport) -> Block {
     Block::Facts(vec![
         fact("Cut from", &report.block),
         fact("Removed", format!("{:.2} cm³", simulation.removed / 1e3)),
-        fact("Deepest cut", extreme(simulation.greatest_depth.as_ref(), "mm")),
+        fact("Deepest cut", spot(simulation.thickest_cut.as_ref())),
+        fact("Deepest along a ray", extreme(simulation.greatest_depth.as_ref(), "mm")),
         fact("Cutting air", air(report)),
         fact("Collisions", n_collisions(report)),
         fact("Bodies looked at", bodies(&simulation.bodies)),
+        fact("Fixtures looked at", fixtures(&simulation.fixtures)),
         fact("Exact to", exactness(&simulation.resolution)),
     ])
 }
@@ -81,12 +83,14 @@ pub(super) fn simulation(report: &VerifyReport) -> Block {
         fact("Volume before", format!("{:.1} cm³", simulation.start_volume / 1e3)),
         fact("Volume after", format!("{:.1} cm³", simulation.end_volume / 1e3)),
         fact("Removed", format!("{:.2} cm³", simulation.removed / 1e3)),
-        fact("Deepest cut", extreme(simulation.greatest_depth.as_ref(), "mm")),
+        fact("Deepest cut", spot(simulation.thickest_cut.as_ref())),
+        fact("Deepest along a ray", extreme(simulation.greatest_depth.as_ref(), "mm")),
         fact("Greatest rate", extreme(simulation.greatest_rate.as_ref(), "mm³/s")),
         fact("Cutting air", air(report)),
         fact("Moves", simulation.n_moves),
         fact("Moves beneath overhanging material", simulation.n_overhanging),
         fact("Bodies looked at", bodies(&simulation.bodies)),
+        fact("Fixtures looked at", fixtures(&simulation.fixtures)),
     ])
 }
 

@@ -1,6 +1,6 @@
 //! A verification in a dozen lines for the terminal.
 
-use super::words::{bodies, exactness, left, spot};
+use super::words::{bodies, exactness, fixtures, left, spot};
 use crate::workflow::verify::VerifyReport;
 use std::fmt::Write as _;
 
@@ -25,10 +25,12 @@ pub fn verify_summary(report: &VerifyReport) -> String {
             100.0 * simulation.air_share
         ),
     );
+    line("deepest cut", spot(simulation.thickest_cut.as_ref()));
     if let Some(depth) = &simulation.greatest_depth {
-        line("depth", format!("up to {:.2} mm (line {})", depth.value, depth.line));
+        line("", format!("along a ray up to {:.2} mm (line {})", depth.value, depth.line));
     }
     line("bodies", bodies(&simulation.bodies));
+    line("fixtures", fixtures(&simulation.fixtures));
     line("gouge", spot(deviation.gouge.as_ref()));
     line("left", spot(deviation.left.as_ref()));
     line("", format!("too large a tool: {}", spot(deviation.left_by_tool.as_ref())));

@@ -1,6 +1,6 @@
 //! What the page of a verification and its summary say alike.
 
-use crate::measure::{BodiesReport, CheckedBody, ResolutionReport, Spot};
+use crate::measure::{BodiesReport, CheckedBody, Fixture, ResolutionReport, Spot};
 use crate::workflow::verify::VerifyReport;
 
 /// Less than this prints as nothing [mm].
@@ -43,6 +43,18 @@ pub(super) fn bodies(bodies: &BodiesReport) -> String {
         .map(|tool| format!("nothing of {tool}: its library does not say what of it does not cut"));
     let stopped = bodies.stopped_at.map(|line| format!("after line {line} nobody looked any more"));
     checked.chain(unknown).chain(stopped).collect::<Vec<_>>().join("; ")
+}
+
+/// What stands around the part and was looked at.
+pub(super) fn fixtures(fixtures: &[Fixture]) -> String {
+    if fixtures.is_empty() {
+        return "none: the machine file does not say how large they are".to_owned();
+    }
+    let words = fixtures.iter().map(|fixture| match fixture {
+        Fixture::Dog => "dogs",
+        Fixture::Table => "table",
+    });
+    words.collect::<Vec<_>>().join(", ")
 }
 
 /// How exact the simulation is, in one line.
