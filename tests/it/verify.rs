@@ -318,6 +318,19 @@ fn a_job_shows_in_its_own_report_what_its_program_leaves() {
     assert_eq!(told.status.code(), Some(0), "{}", said(&told));
     let report: Value = serde_json::from_slice(&told.stdout).unwrap();
     assert_eq!(report["verified"]["block"], "a box 3 mm larger all around");
+    // What cannot be simulated is written all the same; its report and the exit code say why.
+    let fine = ["--verify=0.001", "--force"];
+    let told = horma(&[&["cam", part][..], &coarse, &["--json", "-o", program], &fine].concat());
+    assert_eq!(told.status.code(), Some(65), "{}", said(&told));
+    let why = "not cut in simulation: a resolution of 0.001 mm takes ";
+    assert!(said(&told).contains(why), "{}", said(&told));
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert!(report["not-verified"].as_str().unwrap().starts_with("a resolution of 0.001 mm"));
+    assert!(report.get("verified").is_none() && report["program"]["n-blocks"] != 0);
+    let page = std::fs::read_to_string(shop.path("out.report.html")).unwrap();
+    assert!(page.contains(why));
+    let check = horma(&["check", program, "-m", "last-lathe"]);
+    assert_eq!(check.status.code(), Some(0), "{}", said(&check));
     // Points have no surface, and standard output has no report: told before the work begins.
     let told = horma(&[&["cam", cloud, "--units", "mm", "--force"][..], &cam].concat());
     assert_eq!(told.status.code(), Some(65), "{}", said(&told));

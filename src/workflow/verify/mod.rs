@@ -120,6 +120,16 @@ pub enum VerifyError {
     Simulate(#[from] SimulateError),
 }
 
+impl VerifyError {
+    /// True if nothing is wrong and the caller asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(
+            self,
+            Self::Stock(StockError::Cancelled(_)) | Self::Simulate(SimulateError::Cancelled(_))
+        )
+    }
+}
+
 /// Runs the program on its block, and compares what is left with the part.
 pub fn verify(job: VerifyJob, progress: &dyn Progress) -> Result<Verified, VerifyError> {
     job.options.check()?;

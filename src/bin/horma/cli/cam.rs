@@ -2,7 +2,7 @@
 
 use super::Shell;
 use super::block::read_block;
-use super::simulated::{Cutting, Told, Trial};
+use super::simulated::{Cutting, NOT_SIMULATED, Told, Trial, Tried};
 use crate::exit::Usage;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -14,7 +14,7 @@ use horma::machine::Machine;
 use horma::progress::Progress;
 use horma::tool::Tool;
 use horma::workflow::cam::{CamOptions, Job, Plan, is_one_program, plan, rough, rough_and_finish};
-use horma::workflow::verify::{RawBlock, Verified, VerifyError};
+use horma::workflow::verify::{RawBlock, VerifyError, VerifyOptions};
 use std::path::{Path, PathBuf};
 
 /// Compute the program that cuts a part, and a report beside it.
@@ -108,13 +108,16 @@ pub(crate) fn run_for(aim: Aim, args: &CamArgs, shell: &Shell) -> anyhow::Result
             let text = "--verify tells in the report, and standard output has none; give -o FILE";
             return Err(Usage(text.to_owned()).into());
         }
-        Some(resolution) => Some(Cutting {
-            surface: with_triangles(&reading.surface)?,
-            machine: &machine,
-            dialect: &dialect,
-            options: &options,
-            resolution,
-        }),
+        Some(resolution) => {
+            VerifyOptions { resolution: Some(resolution), tolerance: None }.check()?;
+            Some(Cutting {
+                surface: with_triangles(&reading.surface)?,
+                machine: &machine,
+                dialect: &dialect,
+                options: &options,
+                resolution,
+            })
+        }
     };
     let tools: Vec<Vec<Tool>> = match &before {
         Some(before) if is_split => vec![vec![before.clone()], vec![tool.clone()]],
@@ -141,7 +144,7 @@ pub(crate) fn run_for(aim: Aim, args: &CamArgs, shell: &Shell) -> anyhow::Result
         .into_iter()
         .zip(planned)
         .zip(tools)
-        .map(|((outputs, plan), tools)| Written { outputs, plan, tools, verified: None })
+        .map(|((outputs, plan), tools)| Written { outputs, plan, tools, tried: None })
         .collect();
     let programs = match cutting {
         None => programs,
@@ -149,7 +152,7 @@ pub(crate) fn run_for(aim: Aim, args: &CamArgs, shell: &Shell) -> anyhow::Result
     };
     let mut files = OutputSet::new(programs[0].outputs.overwrite);
     for program in &programs {
-        program.outputs.add_to(&mut files, &program.plan, program.verified.as_ref())?;
+        program.outputs.add_to(&mut files, &program.plan, program.tried.as_ref())?;
     }
     files.commit()?;
     drop(bar);
@@ -166,7 +169,7 @@ struct Written {
     /// The tools it cuts with.
     tools: Vec<Tool>,
     /// What it leaves, if that was asked for.
-    verified: Option<Verified>,
+    tried: Option<Tried>,
 }
 
 /// Cuts one program after the other in simulation: from `block`, or from the part with the stock
@@ -177,30 +180,34 @@ fn verified(
     block: Option<Block>,
     progress: &dyn Progress,
 ) -> anyhow::Result<Vec<Written>> {
-    let mut next = match block {
+    let mut next: Result<_, String> = Ok(match block {
         Some(block) => RawBlock::Body(block),
         None => RawBlock::Grown(programs[0].plan.report.stock),
-    };
+    });
     for program in &mut programs {
-        let trial = Trial {
+        let trial = |block| Trial {
             name: file_name(&program.outputs.program),
             plan: &program.plan,
             tools: program.tools.clone(),
-            block: next,
+            block,
         };
-        let left = cutting.run(trial, progress)?;
-        next = RawBlock::Left(Box::new(left.stock.clone()));
-        program.verified = Some(left);
+        let tried = match next {
+            Ok(block) => cutting.run(trial(block), progress)?,
+            Err(why) => Err(why),
+        };
+        next = match &tried {
+            Ok(left) => Ok(RawBlock::Left(Box::new(left.stock.clone()))),
+            Err(why) => Err(format!("nobody knows what the program before it left ({why})")),
+        };
+        program.tried = Some(tried);
     }
     Ok(programs)
 }
 
 /// Tells what was written, and of the first fault the simulation found.
 fn tell(programs: &[Written], machine: &Machine, shell: &Shell) -> anyhow::Result<()> {
-    let told: Vec<Told> = programs
-        .iter()
-        .map(|program| Told::new(&program.plan, program.verified.as_ref()))
-        .collect();
+    let told: Vec<Told> =
+        programs.iter().map(|program| Told::new(&program.plan, program.tried.as_ref())).collect();
     let texts = programs.iter().zip(&told).map(|(program, told)| {
         let summary = cam_summary(&program.plan.report) + &told.in_words();
         summary + "\n" + &program.outputs.in_words(machine, &program.plan)
@@ -210,9 +217,9 @@ fn tell(programs: &[Written], machine: &Machine, shell: &Shell) -> anyhow::Resul
         [one] => shell.report(one, &text)?,
         several => shell.report(&several, &text)?,
     }
-    for Written { outputs, verified, .. } in programs {
-        if let Some(fault) = verified.iter().flat_map(|verified| &verified.report.faults).next() {
-            bail!("{}: {fault}", outputs.program.display());
+    for (program, told) in programs.iter().zip(&told) {
+        if let Some(fault) = told.fault() {
+            bail!("{}: {fault}", program.outputs.program.display());
         }
     }
     Ok(())
@@ -292,9 +299,9 @@ impl Outputs {
     }
 
     /// All three, or none; the reports with what the simulation found, if there was one.
-    pub(super) fn write(&self, planned: &Plan, verified: Option<&Verified>) -> anyhow::Result<()> {
+    pub(super) fn write(&self, planned: &Plan, tried: Option<&Tried>) -> anyhow::Result<()> {
         let mut files = OutputSet::new(self.overwrite);
-        self.add_to(&mut files, planned, verified)?;
+        self.add_to(&mut files, planned, tried)?;
         Ok(files.commit()?)
     }
 
@@ -303,17 +310,19 @@ impl Outputs {
         &self,
         files: &mut OutputSet,
         planned: &Plan,
-        verified: Option<&Verified>,
+        tried: Option<&Tried>,
     ) -> anyhow::Result<()> {
         let [_, json, page] = self.paths();
         for (path, text) in self.programs(planned) {
             files.add(&path, |out| out.write_all(text))?;
         }
         if !self.is_stream {
-            let report = serde_json::to_vec_pretty(&Told::new(planned, verified))?;
+            let report = serde_json::to_vec_pretty(&Told::new(planned, tried))?;
             let mut shown = cam_page(&planned.report, planned.scene.as_ref())?;
-            if let Some(verified) = verified {
-                shown = with_cut(shown, verified)?;
+            match tried {
+                Some(Ok(verified)) => shown = with_cut(shown, verified)?,
+                Some(Err(why)) => shown.warnings.insert(0, format!("{NOT_SIMULATED}: {why}")),
+                None => {}
             }
             let shown = html(&shown);
             files.add(&json, |out| out.write_all(&report))?;

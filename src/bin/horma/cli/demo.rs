@@ -91,7 +91,10 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     };
     let bar_of_wood = RawBlock::Body(bar_of_wood);
     let rough_cut = cutting.run(trial("rough.ngc", &roughed, bar_of_wood), &bar)?;
-    let left = RawBlock::Left(Box::new(rough_cut.stock.clone()));
+    let left = match &rough_cut {
+        Ok(left) => RawBlock::Left(Box::new(left.stock.clone())),
+        Err(_) => RawBlock::Grown(LEFT),
+    };
     let cut = cutting.run(trial("last.ngc", &planned, left), &bar)?;
     io::write_surface(&part, &mesh, overwrite)?;
     rough_outputs.write(&roughed, Some(&rough_cut))?;

@@ -11,6 +11,9 @@ use horma::workflow::cam::{CamOptions, CamReport, Plan};
 use horma::workflow::verify::{RawBlock, Verified, VerifyJob, VerifyOptions, VerifyReport, verify};
 use serde::Serialize;
 
+/// How a report begins to say why there is no simulation in it.
+pub(super) const NOT_SIMULATED: &str = "the program is not cut in simulation";
+
 /// All that cutting plans in simulation takes besides the plans.
 pub(super) struct Cutting<'a> {
     pub(super) surface: Surface,
@@ -30,9 +33,13 @@ pub(super) struct Trial<'a> {
     pub(super) block: RawBlock,
 }
 
+/// What came of a simulation: what it found, or why it could not be.
+pub(super) type Tried = Result<Verified, String>;
+
 impl Cutting<'_> {
-    /// Reads the program back and runs it on its block.
-    pub(super) fn run(&self, trial: Trial, progress: &dyn Progress) -> anyhow::Result<Verified> {
+    /// Reads the program back and runs it on its block. That it cannot be simulated is told, and
+    /// spoils nothing that was made before.
+    pub(super) fn run(&self, trial: Trial, progress: &dyn Progress) -> anyhow::Result<Tried> {
         let Trial { name, plan, tools, block } = trial;
         let context = format!("while cutting {name} in simulation");
         let program = gcode::read(&mut plan.text.as_slice(), self.machine, self.dialect)?;
@@ -48,26 +55,47 @@ impl Cutting<'_> {
             block,
             options: &VerifyOptions { resolution: Some(self.resolution), tolerance: None },
         };
-        verify(job, progress).context(context)
+        match verify(job, progress) {
+            Err(problem) if problem.is_cancelled() => Err(problem).context(context),
+            tried => Ok(tried.map_err(|problem| problem.to_string())),
+        }
     }
 }
 
 /// What a job tells programs: its report, with what the simulation found, if there was one.
 #[derive(Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(super) struct Told<'a> {
     #[serde(flatten)]
     planned: &'a CamReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     verified: Option<&'a VerifyReport>,
+    /// Why it could not be simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    not_verified: Option<&'a str>,
 }
 
 impl<'a> Told<'a> {
-    pub(super) fn new(planned: &'a Plan, verified: Option<&'a Verified>) -> Self {
-        Self { planned: &planned.report, verified: verified.map(|verified| &verified.report) }
+    pub(super) fn new(planned: &'a Plan, tried: Option<&'a Tried>) -> Self {
+        Self {
+            planned: &planned.report,
+            verified: tried.and_then(|tried| tried.as_ref().ok()).map(|verified| &verified.report),
+            not_verified: tried.and_then(|tried| tried.as_ref().err()).map(String::as_str),
+        }
     }
 
-    /// The simulation for people; nothing if there was none.
+    /// The simulation for people; nothing if none was asked for.
     pub(super) fn in_words(&self) -> String {
-        self.verified.map_or_else(String::new, |found| format!("\n{}", verify_summary(found)))
+        match (self.verified, self.not_verified) {
+            (Some(found), _) => format!("\n{}", verify_summary(found)),
+            (None, Some(why)) => format!("\nfault       {NOT_SIMULATED}: {why}\n"),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// What speaks against the program, if anything does: the first of it.
+    pub(super) fn fault(&self) -> Option<String> {
+        let why = self.not_verified.map(|why| format!("{NOT_SIMULATED}: {why}"));
+        why.or_else(|| self.verified.and_then(|found| found.faults.first().cloned()))
     }
 }
