@@ -194,7 +194,8 @@ impl Scene {
         for kind in head.take(self.i_block) {
             rest.push(kind.clone());
         }
-        rest.push(BlockKind::Comment(format!("taken up at line {line}").into()));
+        let text = format!("taken up at line {line}; the figures above are of the whole program");
+        rest.push(BlockKind::Comment(text.into()));
         let mut modes: Modes = [Mode::Millimetres, Mode::Absolute].into_iter().collect();
         modes.set_all(self.modes);
         modes.set(Mode::PerMinute);

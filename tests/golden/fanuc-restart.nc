@@ -14,7 +14,7 @@ O0012
 (of it with T8: 0:00:06 h)
 (moves: 28)
 (assumes at most 12.50 mm of stock)
-(taken up at line 30)
+(taken up at line 30; the figures above are of the whole program)
 G21 G90 G94 G17 G40 G49 G80 G54
 G5.1 Q1
 G0 Y100.0

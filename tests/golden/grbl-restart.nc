@@ -15,7 +15,7 @@
 (of it with T8: 0:00:06 h)
 (moves: 30)
 (assumes at most 12.50 mm of stock)
-(taken up at line 31)
+(taken up at line 31; the figures above are of the whole program)
 G21 G90 G94 G17 G40 G49 G80 G54
 G0 Z20.0
 T7 M0

@@ -10,7 +10,7 @@
 (of it with T8: 0:00:06 h)
 (moves: 28)
 (assumes at most 12.50 mm of stock)
-(taken up at line 25)
+(taken up at line 25; the figures above are of the whole program)
 G21 G90 G94 G17 G40 G49 G80 G54
 G0 Y100.0
 T7 M6

@@ -13,7 +13,7 @@
 12 ; of it with T8: 0:00:06 h
 13 ; moves: 28
 14 ; assumes at most 12.50 mm of stock
-15 ; taken up at line 30
+15 ; taken up at line 30; the figures above are of the whole program
 16 M127
 17 M117
 18 CYCL DEF 32.0 TOLERANCE

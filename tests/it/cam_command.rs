@@ -49,6 +49,21 @@ fn a_program_comes_with_a_report_for_people_and_one_for_programs() {
 }
 
 #[test]
+fn the_command_that_comes_next_names_machine_and_language_as_they_were_given() {
+    let shop = Shop::new();
+    let mine = shop.folder.put("mine.toml", Machine::builtin_text(LATHE).unwrap());
+    let (last, out) = (shop.folder.path("last.stl"), shop.folder.path("out.nc"));
+    let cam = ["cam", text(&last), "-m", text(&mine), "--dialect", "fanuc", "-o", text(&out)];
+    let told = horma(&[&cam[..], &COARSE].concat());
+    assert_eq!(told.status.code(), Some(0), "{}", said(&told));
+    let answer = String::from_utf8(told.stdout).unwrap();
+    let next = answer.lines().find_map(|line| line.strip_prefix("next  horma ")).unwrap();
+    let next: Vec<&str> = next.split(' ').collect();
+    assert_eq!(next, ["check", text(&out), "-m", text(&mine), "--dialect", "fanuc"]);
+    assert_eq!(horma(&next).status.code(), Some(0));
+}
+
+#[test]
 fn a_report_is_json_or_nothing_if_that_was_asked_for() {
     let shop = Shop::new();
     let told = shop.cam(&["--json"]);

@@ -60,8 +60,10 @@ fn bad_tools_machines_and_strategies_are_refused_by_name() {
     refused(&shop.cam(&["--strategy", "spiral"]), 2, &["spiral", "helix, rings, lines, raster"]);
     refused(&shop.cam(&["--strategy", "raster"]), 65, &["cannot run Raster", "last-lathe"]);
     refused(&shop.cam(&["--pitch", "0"]), 65, &["--pitch is 0"]);
+    refused(&shop.cam(&["--pitch", "nan"]), 65, &["--pitch is NaN"]);
+    refused(&shop.cam(&["--verify=0"]), 65, &["--verify is 0; it must be a number above 0"]);
     refused(&shop.cam(&["--scallop", "0.1", "--pitch", "1"]), 2, &["--scallop", "--pitch"]);
-    refused(&shop.cam(&["--axis", "0 0 0"]), 65, &["\"0 0 0\" has no length"]);
+    refused(&shop.cam(&["--axis", "0 0 0"]), 65, &["\"0 0 0\" is no direction"]);
     refused(&shop.cam(&["--hold", "Q=3"]), 65, &["\"Q=3\" is no axis"]);
     let last = shop.folder.path("last.stl");
     let out = shop.folder.path("out.ngc");
@@ -124,6 +126,14 @@ fn an_output_that_cannot_be_is_refused_before_the_work() {
         assert_eq!(shop.outputs(), [name]);
         std::fs::remove_file(shop.folder.path(name)).unwrap();
     }
+}
+
+#[test]
+fn a_part_where_the_demo_would_put_its_own_is_told_before_the_work() {
+    let shop = Shop::new();
+    let folder = shop.folder.path("");
+    refused(&horma(&["demo", "--out", text(&folder)]), 73, &["last.stl", "exists already"]);
+    assert_eq!(shop.outputs(), [""; 0]);
 }
 
 #[cfg(unix)]

@@ -1,16 +1,16 @@
 //! The page and the summary of a cam job, of real jobs on small parts.
 
 use crate::parts::real;
-use horma::cam::Strategy;
+use horma::cam::{Block, Strategy};
 use horma::gcode::{Dialect, Violation, ViolationKind};
 use horma::geom::shapes::{self, LastParameters, last};
 use horma::geom::{Aabb, Point3, Surface};
 use horma::io::read_surface;
-use horma::io::report::{Block, Image, Page, Picture, cam_page, cam_summary, html};
+use horma::io::report::{Block as Shown, Image, Page, Picture, cam_page, cam_summary, html};
 use horma::machine::Machine;
 use horma::progress::Silent;
 use horma::tool::Tool;
-use horma::workflow::cam::{CamOptions, Job, Plan, plan};
+use horma::workflow::cam::{CamOptions, Job, Plan, plan, rough};
 
 /// A coarse run over `surface` on the embedded machine.
 fn cut(surface: Surface, machine: &str, tool: &str, options: &CamOptions) -> Plan {
@@ -43,7 +43,7 @@ fn turned_last() -> Plan {
 fn pictures(page: &Page) -> Vec<&Picture> {
     let blocks = page.sections.iter().flat_map(|section| &section.blocks);
     let pictures = blocks.filter_map(|block| match block {
-        Block::Pictures(pictures) => Some(pictures),
+        Shown::Pictures(pictures) => Some(pictures),
         _ => None,
     });
     pictures.flatten().collect()
@@ -57,7 +57,7 @@ fn page_of(Plan { report, scene, .. }: &Plan) -> Page {
 fn row<'a>(page: &'a Page, title: &str, name: &str) -> &'a [String] {
     let section = page.sections.iter().find(|section| section.title == title).unwrap();
     let rows = section.blocks.iter().filter_map(|block| match block {
-        Block::Table(table) => Some(&table.rows),
+        Shown::Table(table) => Some(&table.rows),
         _ => None,
     });
     rows.flatten().find(|row| row[0].starts_with(name)).unwrap()
@@ -156,6 +156,33 @@ fn the_page_of_a_cloud_has_pictures_but_no_reach() {
     show(&page, "cloud.html");
     assert_eq!(pictures(&page).len(), 3);
     assert!(page.figures.iter().all(|figure| figure.label != "Within reach"));
+}
+
+#[test]
+fn the_page_of_a_roughing_tells_what_it_does_and_how_deep_it_cuts() {
+    let machine = Machine::builtin("last-lathe").unwrap();
+    let job = Job {
+        name: "last.stl".into(),
+        surface: small_last(),
+        notes: Vec::new(),
+        dialect: &Dialect::named(&machine.dialect).unwrap(),
+        machine: &machine,
+        tool: Tool::from_shorthand("wheel:60,10").unwrap(),
+        options: &CamOptions { max_depth: Some(9.0), pitch: Some(9.0), ..coarse() },
+        keep_scene: false,
+    };
+    let planned = rough(job, &Block::Cylinder { radius: None }, &Silent).unwrap();
+    let page = page_of(&planned);
+    assert!(page.subtitle.starts_with("roughed: helix with wheel:60,10 on "), "{}", page.subtitle);
+    let figure = |label: &str| {
+        let found = page.figures.iter().find(|figure| figure.label == label);
+        found.map(|figure| figure.value.as_str())
+    };
+    assert_eq!((figure("Deepest cut"), figure("Stock assumed")), (Some("≤ 9.0"), None));
+    let n_positions = planned.report.rough.as_ref().unwrap().n_positions.to_string();
+    assert_eq!(figure("Positions").unwrap().replace(',', ""), n_positions);
+    let summary = cam_summary(&planned.report);
+    assert!(!summary.contains("\nstock "), "{summary}");
 }
 
 #[test]

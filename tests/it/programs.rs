@@ -291,7 +291,7 @@ fn a_program_taken_up_in_its_midst_approaches_safely() {
 (A: -720.0000 to 0.0000 deg)
 (time: 0:00:07 h, accelerations included)
 (moves: 8)
-(taken up at line 17)
+(taken up at line 17; the figures above are of the whole program)
 G21 G90 G94 G17 G40 G49 G80 G54
 G64 P0.01
 G0 Y150.0

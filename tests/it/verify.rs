@@ -278,6 +278,15 @@ fn the_command_sets_the_part_up_as_the_header_says_and_its_exit_code_judges() {
     let Surface::Mesh(map) = read_surface(map.as_ref(), None).unwrap().surface else { panic!() };
     assert!(map.colors.is_some_and(|colors| colors.len() == map.points.len()));
 
+    // A map that cannot be written is refused before the work, and nothing else is written.
+    let untouched = std::fs::read(shop.path("out.verify.json")).unwrap();
+    for (name, expected) in [("map.foo", "extension"), ("map.xyz", "cannot hold a mesh")] {
+        let told = horma(&[&base[..], &["--map", shop.path(name).to_str().unwrap()]].concat());
+        assert_eq!(told.status.code(), Some(73), "{}", said(&told));
+        assert!(said(&told).contains(expected), "{}", said(&told));
+    }
+    assert_eq!(std::fs::read(shop.path("out.verify.json")).unwrap(), untouched);
+
     // Set up without what the header says, the program is for another foot.
     let told = horma(&[&base[..], &["--tolerance", "1", "--no-header"]].concat());
     assert_eq!(told.status.code(), Some(65), "{}", said(&told));

@@ -23,6 +23,12 @@ impl Bar {
         bar.set_style(style);
         Self { bar, _listening: Listening::begin() }
     }
+
+    /// The last chance to stop, before outputs get their names: who was told that it stops shall not
+    /// find them.
+    pub(crate) fn stop_if_asked(&self) -> Result<(), Cancelled> {
+        self.advance(0)
+    }
 }
 
 impl Progress for Bar {

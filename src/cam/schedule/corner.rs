@@ -23,6 +23,10 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// its time; a single slow one may be shorter by a fortieth.
 const ABOVE_TOP: f64 = 1.1;
 
+/// Axes that go along with each other, as the two spindles of a pair, have the same rows, and
+/// rounding would decide which of them is fulfilled and which broken.
+const SAME_ROW: f64 = 1e-9;
+
 /// A rounded corner: two bends that meet where the moves do, since each has its own top speed.
 #[derive(Debug)]
 pub(super) struct Corner {
@@ -118,7 +122,7 @@ impl Bend {
         let (mut before, mut after) = (most, most_after);
         for (i, row) in self.rows().iter().enumerate() {
             let value = row[0] * before + row[1] * after;
-            if value.abs() <= 1.0 {
+            if value.abs() <= 1.0 + SAME_ROW {
                 continue;
             }
             // The optimum lies where this row is fulfilled exactly.
@@ -166,6 +170,9 @@ impl Bend {
         let box_sides = [(slope, most_after - start), (-slope, start)];
         let sides = self.rows[..n].iter().flat_map(|row| {
             let (rise, at) = (row[0] + row[1] * slope, row[1] * start);
+            // Along the line of a row like this one nothing changes.
+            let is_same = rise.abs() <= SAME_ROW * row[0].abs();
+            let rise = if is_same { 0.0 } else { rise };
             [(rise, 1.0 - at), (-rise, 1.0 + at)]
         });
         let above = box_sides.into_iter().chain(sides).filter(|(rise, _)| *rise > 0.0);

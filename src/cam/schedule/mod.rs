@@ -8,6 +8,7 @@ mod asked;
 mod corner;
 mod drive;
 mod leg;
+mod motion;
 mod planner;
 mod slowed;
 
@@ -18,7 +19,8 @@ use asked::Asked;
 use serde::Serialize;
 
 pub use drive::{Drive, drives};
-pub use planner::{Limit, Motion, Timing, time_motion};
+pub use motion::{Limit, Motion, Timing};
+pub use planner::time_motion;
 pub use slowed::{Cause, Slow, Slowdowns, Slowed, Spot};
 
 /// How fast a pass goes, and where it is out of the way.

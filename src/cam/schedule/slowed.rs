@@ -1,6 +1,6 @@
 //! Where a feed cannot be held, and what stands in its way.
 
-use super::planner::Limit;
+use super::motion::Limit;
 use serde::Serialize;
 use std::fmt;
 

@@ -3,13 +3,14 @@
 use super::Shell;
 use super::cam::Outputs;
 use super::simulated::{Cutting, Told, Trial};
+use super::table::listed;
 use anyhow::Context;
 use clap::Args;
 use horma::cam::{Block, Centre};
 use horma::geom::Surface;
 use horma::geom::shapes::{LastParameters, last};
 use horma::io::report::cam_summary;
-use horma::io::{self, Overwrite};
+use horma::io::{self, OutputSet, Overwrite};
 use horma::workflow::cam::{CamOptions, Job, plan, rough};
 use horma::workflow::verify::RawBlock;
 use serde::Serialize;
@@ -50,10 +51,11 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
     let mesh = Surface::Mesh(last(&args.last)?);
     io::create_folder(&args.out)?;
     let part = args.out.join("last.stl");
-    let [rough_outputs, outputs] =
-        ["rough.ngc", "last.ngc"].map(|name| Outputs::checked(&args.out.join(name), args.force));
-    let (rough_outputs, outputs) = (rough_outputs?, outputs?);
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Refuse };
+    let mut files = OutputSet::new(overwrite);
+    files.add_surface(&part, &mesh)?;
+    let checked = |name| Outputs::checked(&args.out.join(name), overwrite);
+    let (rough_outputs, outputs) = (checked("rough.ngc")?, checked("last.ngc")?);
     let machine = io::read_machine(MACHINE)?;
     let dialect = io::read_dialect(&machine.dialect)?;
     let tool = io::read_tools(None)?.find(&machine.default_tool)?;
@@ -96,19 +98,27 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
         Err(_) => RawBlock::Grown(LEFT),
     };
     let cut = cutting.run(trial("last.ngc", &planned, left), &bar)?;
-    io::write_surface(&part, &mesh, overwrite)?;
-    rough_outputs.write(&roughed, Some(&rough_cut))?;
-    outputs.write(&planned, Some(&cut))?;
+    rough_outputs.add_to(&mut files, &roughed, Some(&rough_cut))?;
+    outputs.add_to(&mut files, &planned, Some(&cut))?;
+    bar.stop_if_asked()?;
+    files.commit()?;
     drop(bar);
-    let (part, folder) = (part.display(), args.out.display());
     let finish = Told::new(&planned, Some(&cut));
+    let part = part.display();
+    let mut written = vec![part.to_string()];
+    written.extend(rough_outputs.told(&roughed));
+    written.extend(outputs.told(&planned));
+    let next = [
+        format!("horma check {} -m {MACHINE}", outputs.first(&planned)),
+        format!("horma cam {part} -m {MACHINE} --mirror --scallop 0.03 -o right.ngc"),
+        format!("horma cam YOUR-PART.stl -m {MACHINE} -o your-part.ngc"),
+    ];
     let text = format!(
-        "{}{}\nwrote {part}\n      {folder}/rough.ngc, from a bar to 1 mm on the last\n{}\n      \
-         horma cam {part} -m {MACHINE} --mirror --scallop 0.03 -o right.ngc\n      \
-         horma cam YOUR-PART.stl -m {MACHINE} -o your-part.ngc",
+        "{}{}\n{}\n{}",
         cam_summary(&planned.report),
         finish.in_words(),
-        outputs.in_words(&machine, &planned),
+        listed("wrote", &written),
+        listed("next", &next),
     );
     let rough = Told::new(&roughed, Some(&rough_cut));
     shell.report(&DemoReport { rough, finish }, &text)

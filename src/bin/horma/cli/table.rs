@@ -14,6 +14,11 @@ pub(super) fn table<const N: usize>(rows: &[[String; N]]) -> String {
     rows.iter().map(line).collect()
 }
 
+/// `lines` below each other behind `head`, which is six letters wide at most.
+pub(super) fn listed(head: &str, lines: &[String]) -> String {
+    format!("{head:<6}{}", lines.join("\n      "))
+}
+
 /// A number without the digits rounding left at its end.
 pub(super) fn number(value: f64) -> String {
     ((value * 1e6).round() / 1e6).to_string()
@@ -27,6 +32,11 @@ mod tests {
     fn columns_line_up_and_lines_end_without_blanks() {
         let rows = [["A", "LONG", ""], ["ñandú", "x", ""]].map(|row| row.map(str::to_owned));
         assert_eq!(table(&rows), "A      LONG\nñandú  x\n");
+    }
+
+    #[test]
+    fn a_list_stands_behind_its_head() {
+        assert_eq!(listed("wrote", &["a".into(), "b".into()]), "wrote a\n      b");
     }
 
     #[test]

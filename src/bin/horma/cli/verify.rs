@@ -3,11 +3,13 @@
 use super::Shell;
 use super::block::read_block;
 use super::cam::{file_name, notes};
+use super::table::listed;
+use crate::bar::Bar;
 use anyhow::{Context, bail};
 use clap::Args;
 use horma::cam::Centre;
 use horma::gcode::{BlockKind, Program};
-use horma::geom::{LengthUnit, Surface};
+use horma::geom::{LengthUnit, Surface, TriMesh};
 use horma::io::report::{deviation_map, html, verify_page, verify_summary};
 use horma::io::{self, OutputSet, Overwrite};
 use horma::machine::Machine;
@@ -125,13 +127,13 @@ pub(crate) fn run(args: &VerifyArgs, shell: &Shell) -> anyhow::Result<()> {
     };
     let verified =
         verify(job, &bar).with_context(|| format!("while verifying {}", args.program.display()))?;
-    args.write(&verified, &outputs)?;
+    args.write(&verified, &outputs, &bar)?;
     drop(bar);
     let [page, json] = outputs.map(|path| path.display().to_string());
-    let text = format!(
-        "{}\nwrote {page}  (open it in a browser)\n      {json}",
-        verify_summary(&verified.report)
-    );
+    let map = args.map.iter().map(|path| path.display().to_string());
+    let written: Vec<String> =
+        [page + "  (open it in a browser)", json].into_iter().chain(map).collect();
+    let text = format!("{}\n{}", verify_summary(&verified.report), listed("wrote", &written));
     shell.report(&verified.report, &text)?;
     match verified.report.faults.first() {
         None => Ok(()),
@@ -194,7 +196,8 @@ impl VerifyArgs {
         }
     }
 
-    /// The page and its numbers beside it; refused before the work begins if they cannot be written.
+    /// The page and its numbers beside it; refused before the work begins if they or the map cannot be
+    /// written.
     fn outputs(&self) -> anyhow::Result<[PathBuf; 2]> {
         let page = self.output.clone();
         let page = page.unwrap_or_else(|| self.program.with_extension("verify.html"));
@@ -203,21 +206,29 @@ impl VerifyArgs {
         for path in &outputs {
             trial.add(path, |_| Ok(()))?;
         }
+        if let Some(path) = &self.map {
+            trial.add_surface(path, &Surface::Mesh(TriMesh::default()))?;
+        }
         Ok(outputs)
     }
 
-    /// Writes the page and its numbers: both, or none; before them the map, if it was asked for.
-    fn write(&self, verified: &Verified, [page, json]: &[PathBuf; 2]) -> anyhow::Result<()> {
-        if let Some(path) = &self.map {
-            let full = verified.report.tolerance.max(0.1);
-            let map = Surface::Mesh(deviation_map(verified, full));
-            io::write_surface(path, &map, self.overwrite())?;
-        }
+    /// Writes the page, its numbers, and the map if it was asked for: all of them, or none.
+    fn write(
+        &self,
+        verified: &Verified,
+        [page, json]: &[PathBuf; 2],
+        bar: &Bar,
+    ) -> anyhow::Result<()> {
         let shown = html(&verify_page(verified)?);
         let numbers = serde_json::to_vec_pretty(&verified.report)?;
         let mut files = OutputSet::new(self.overwrite());
         files.add(page, |out| out.write_all(shown.as_bytes()))?;
         files.add(json, |out| out.write_all(&numbers))?;
+        if let Some(path) = &self.map {
+            let full = verified.report.tolerance.max(0.1);
+            files.add_surface(path, &Surface::Mesh(deviation_map(verified, full)))?;
+        }
+        bar.stop_if_asked()?;
         Ok(files.commit()?)
     }
 

@@ -28,16 +28,24 @@ pub fn cam_page(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::Resu
     sections.push(section("Machine, tool and part", facts::what(report)));
     Ok(Page {
         title: report.part.name.clone(),
-        subtitle: format!(
-            "{} with {} on {}",
-            strategy(report.run.strategy),
-            report.tool[0],
-            report.machine[1]
-        ),
+        subtitle: subtitle(report),
         warnings: warnings(report),
         figures: figures(report),
         sections,
     })
+}
+
+/// What is done with it, in a line.
+fn subtitle(report: &CamReport) -> String {
+    let work = match (report.work, &report.rough) {
+        (Work::Rough, _) => "roughed: ".to_owned(),
+        (Work::RoughAndFinish, Some(rough)) => {
+            format!("roughed with {}, then finished: ", rough.tool[0])
+        }
+        _ => String::new(),
+    };
+    let (strategy, [tool, _]) = (strategy(report.run.strategy), &report.tool);
+    format!("{work}{strategy} with {tool} on {}", report.machine[1])
 }
 
 fn section(title: &str, blocks: Vec<Block>) -> Section {
@@ -63,19 +71,29 @@ fn figures(report: &CamReport) -> Vec<Figure> {
     };
     let mut figures = vec![
         figure("Time (h:mm:ss)", clock(report.program.planned.total()), ""),
-        figure("Positions", count(report.run.n_positions), ""),
+        figure("Positions", count(n_positions(report)), ""),
     ];
     if let Some(reach) = &report.reach {
         figures.push(figure("Surface", format!("{:.1}", reach.area / 100.0), "cm²"));
         figures.push(figure("Within reach", reached_percent(reach), "%"));
     }
-    figures.push(figure("Stock assumed", format!("≤ {:.1}", report.stock), "mm"));
+    figures.push(match &report.rough {
+        Some(rough) => figure("Deepest cut", format!("≤ {:.1}", rough.max_depth), "mm"),
+        None => figure("Stock assumed", format!("≤ {:.1}", report.stock), "mm"),
+    });
     if let Some(travel) = attack_travel(&report.program) {
         // Outwards to whole numbers; the program's own stand in its table.
         let range = format!("{}–{}", travel.least.floor(), travel.greatest.ceil());
         figures.push(figure(&format!("{} travel", travel.axis), range, travel.unit));
     }
     figures
+}
+
+/// Positions of all the program's cuts.
+fn n_positions(report: &CamReport) -> usize {
+    let roughing = report.rough.as_ref().map_or(0, |rough| rough.n_positions);
+    let finishing = if report.work == Work::Rough { 0 } else { report.run.n_positions };
+    roughing + finishing
 }
 
 fn reach_and_travel(report: &CamReport, scene: Option<&cam::Scene>) -> std::io::Result<Vec<Block>> {

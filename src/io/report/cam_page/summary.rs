@@ -38,7 +38,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     if let Some(reach) = &report.reach {
         lines.add("reach", self::reach(reach));
     }
-    lines.add("stock", format!("at most {:.1} mm", report.stock));
+    if report.rough.is_none() {
+        lines.add("stock", format!("at most {:.1} mm", report.stock));
+    }
     for AxisBounds { axis, unit, least, greatest } in &program.bounds {
         lines.add(&axis.to_string(), format!("{least:.3} to {greatest:.3} {unit}"));
     }

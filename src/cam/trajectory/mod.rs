@@ -4,10 +4,18 @@
 //! lines; a table that is tilted lets it do the same. On a table it runs over the part in raster
 //! lines. Such a trajectory is a formula, not a list; only one along contours is listed.
 
+mod drives;
+mod error;
+mod spacing;
+
 use super::contour::Across;
-use super::tilt::{TiltError, TurnLine};
-use crate::machine::{Axis, AxisKind, AxisValues, Carries, MAX_AXES, Machine};
+use crate::machine::{AxisValues, Machine};
+use drives::{Drive, Drives};
+use spacing::MOST_POSITIONS;
 use std::f64::consts::TAU;
+
+pub use error::TrajectoryError;
+pub use spacing::Spacing;
 
 /// How the tool runs over the part.
 #[derive(
@@ -27,18 +35,6 @@ pub enum Strategy {
     Contour,
 }
 
-/// How far apart positions and lines are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Spacing {
-    /// Positions per turn, or lines around the part.
-    pub per_turn: u32,
-    /// Positions along a line are this far apart [mm].
-    pub step: f64,
-    /// Where the turns of a helix end, rings stand or raster rows run: the coordinate after each
-    /// turn or row, ascending, first and last the ends of the run [mm].
-    pub stations: Vec<f64>,
-}
-
 /// A trajectory on a machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory<'a> {
@@ -52,71 +48,6 @@ pub struct Trajectory<'a> {
     along: [f64; 2],
     /// Where a run along contours goes; empty for all others.
     contour: Vec<Across>,
-}
-
-/// Why a strategy cannot run on a machine.
-#[derive(Debug, thiserror::Error)]
-pub enum TrajectoryError {
-    /// The machine lacks an axis the strategy drives.
-    #[error("{machine} cannot run {strategy:?}: it has no {axis}; choose another strategy")]
-    NoAxis {
-        /// The machine.
-        machine: String,
-        /// The strategy.
-        strategy: Strategy,
-        /// What is missing.
-        axis: &'static str,
-    },
-    /// The table does not turn the part under the tool.
-    #[error("{strategy:?} runs around the part, and {source}")]
-    Tilt {
-        /// The strategy.
-        strategy: Strategy,
-        /// Why not.
-        source: TiltError,
-    },
-    /// A spacing is not a positive number.
-    #[error("the {what} is {value}; it must be a number above 0")]
-    NotPositive {
-        /// Which one.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// More positions than memory should be asked for.
-    #[error(
-        "the trajectory would have {positions:.3e} positions, more than {most:.0e}; \
-         choose a larger pitch or fewer points"
-    )]
-    TooMany {
-        /// How many it would have.
-        positions: f64,
-        /// How many are allowed.
-        most: f64,
-    },
-}
-
-/// More positions than this are refused.
-const MOST_POSITIONS: f64 = 2e8;
-
-/// Which axes a trajectory moves, and which way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Drives {
-    /// Along the attack frame's x.
-    along: Drive,
-    /// Along the attack frame's z.
-    across: Option<Drive>,
-    /// The part's turn about X, or about `line`.
-    turn: Option<Drive>,
-    /// The line of a tilted table, which lies along neither `along` nor `across`.
-    line: Option<TurnLine>,
-}
-
-/// An axis, and its motion per unit of what it drives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Drive {
-    axis: usize,
-    sense: f64,
 }
 
 impl<'a> Trajectory<'a> {
@@ -280,98 +211,6 @@ impl<'a> Trajectory<'a> {
     }
 }
 
-impl Drives {
-    fn of(
-        machine: &Machine,
-        strategy: Strategy,
-        rest: &AxisValues,
-    ) -> Result<Self, TrajectoryError> {
-        let frame = machine.attack_from_machine();
-        let linear = |toward: usize| {
-            let free = |(index, axis): &(usize, &Axis)| {
-                *index != machine.attack
-                    && axis.kind == AxisKind::Linear
-                    && axis.follows.is_none()
-                    && (frame * axis.direction)[toward].abs() > 0.999
-            };
-            let (axis, found) = machine.axes.iter().enumerate().take(MAX_AXES).find(free)?;
-            let sense = (frame * found.direction)[toward].signum();
-            // Moving the part is moving the tool the other way.
-            let sense = if found.carries == Carries::Part { -sense } else { sense };
-            Some(Drive { axis, sense })
-        };
-        let turn = machine.spindle.map(|axis| {
-            let sense = machine.axes[axis].direction.x.signum();
-            Drive { axis, sense }
-        });
-        let missing =
-            |axis| TrajectoryError::NoAxis { machine: machine.name.clone(), strategy, axis };
-        let along = linear(0).ok_or_else(|| missing("linear axis along X"))?;
-        let across = linear(2);
-        match strategy {
-            Strategy::Raster | Strategy::Contour if across.is_none() => {
-                Err(missing("linear axis across X and the attack axis"))
-            }
-            Strategy::Helix | Strategy::Rings | Strategy::Lines if turn.is_none() => {
-                let tilt = |source| TrajectoryError::Tilt { strategy, source };
-                let line = TurnLine::of(machine, rest).map_err(tilt)?;
-                if across.is_none() {
-                    return Err(missing("linear axis across X and the attack axis"));
-                }
-                let turn = Some(Drive { axis: line.axis, sense: 1.0 });
-                Ok(Self { along, across, turn, line: Some(line) })
-            }
-            _ => Ok(Self { along, across, turn, line: None }),
-        }
-    }
-}
-
-impl Spacing {
-    /// The least and the greatest distance of neighbouring stations [mm].
-    pub fn pitch_range(&self) -> [f64; 2] {
-        let pitches = self.stations.windows(2).map(|pair| pair[1] - pair[0]);
-        let range = |[low, high]: [f64; 2], pitch: f64| [low.min(pitch), high.max(pitch)];
-        pitches
-            .fold(None, |found, pitch| Some(range(found.unwrap_or([pitch; 2]), pitch)))
-            .unwrap_or_default()
-    }
-
-    /// Stations from `from` to `to`, `pitch` apart or a little less so that the last one fits.
-    pub fn even(from: f64, to: f64, pitch: f64) -> Result<Vec<f64>, TrajectoryError> {
-        Self::graded(from, to, |_| pitch)
-    }
-
-    /// Stations from `from` to `to`, apart by what `pitch` asks for at each.
-    pub fn graded(
-        from: f64,
-        to: f64,
-        pitch: impl Fn(f64) -> f64,
-    ) -> Result<Vec<f64>, TrajectoryError> {
-        let mut stations = vec![from];
-        let mut x = from;
-        while x < to {
-            let next = pitch(x);
-            if !(next > 0.0 && next.is_finite()) {
-                return Err(TrajectoryError::NotPositive { what: "pitch", value: next });
-            }
-            if stations.len() as f64 > MOST_POSITIONS / 100.0 {
-                let positions = (to - from) / next;
-                return Err(TrajectoryError::TooMany { positions, most: MOST_POSITIONS });
-            }
-            x += next;
-            stations.push(x);
-        }
-        // What the last station overshoots is taken from all of them alike.
-        let overshoot = (to - from) / (x - from);
-        if x > from {
-            for station in &mut stations {
-                *station = from + (*station - from) * overshoot;
-            }
-        }
-        Ok(stations)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -419,11 +258,5 @@ mod tests {
             Trajectory::new(&machine, Strategy::Raster, [10.0, 20.0], spacing(5.0), &[0.0; 6])
                 .unwrap_err();
         assert!(error.to_string().contains("no linear axis across X"), "{error}");
-    }
-
-    #[test]
-    fn a_pitch_of_nothing_is_refused() {
-        let error = Spacing::even(0.0, 10.0, 0.0).unwrap_err().to_string();
-        assert!(error.contains("the pitch is 0"), "{error}");
     }
 }

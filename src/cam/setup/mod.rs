@@ -5,62 +5,19 @@
 //! is added as further surface ("virtually added parts", Morell 2014, 1.4.2.2): digitizing takes
 //! the highest touch of all pieces, so no boolean is needed.
 
+mod moved;
+mod options;
+mod spread;
+
 use super::clamps::{self, ClampError, Clamps};
 use crate::geom::{Aabb, Matrix3, Point3, Pose, Surface, TriMesh, Vector3, shapes};
 use crate::machine::Machine;
-use nalgebra::{Rotation3, SymmetricEigen, Translation3, Unit, UnitQuaternion};
+use moved::{mirrored, moved};
+use nalgebra::{Rotation3, Translation3, UnitQuaternion};
+use spread::Spread;
 use std::f64::consts::FRAC_PI_2;
-use std::str::FromStr;
 
-/// How the part is laid on the machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SetupOptions {
-    /// The part's direction that is laid along the spindle, heel to toe.
-    pub axis: SpindleAxis,
-    /// Swap heel and toe.
-    pub flip: bool,
-    /// Which point is laid on the spindle axis.
-    pub centre: Centre,
-    /// Turn of the part about the spindle before the first step [rad].
-    pub start_angle: f64,
-    /// Cut the mirror image: the other foot.
-    pub mirror: bool,
-}
-
-/// The part's direction that is laid along the spindle.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub enum SpindleAxis {
-    /// The principal axis of greatest extent, pointing the way its largest coordinate grows.
-    #[default]
-    Auto,
-    /// A direction in the part's own frame.
-    Along(Vector3),
-}
-
-/// Which point of the part is laid on the spindle axis (or over the middle of a table).
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Serialize,
-    serde::Deserialize,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Centre {
-    /// The centroid of the surface.
-    #[default]
-    Centroid,
-    /// The middle of the bounding box.
-    Box,
-    /// The middles of the part's ends, which tilts the axis onto them: what two dogs hold best.
-    Ends,
-    /// The origin of the file: it was set up before.
-    Origin,
-}
+pub use options::{Centre, SetupOptions, SpindleAxis};
 
 /// The part's ends, as a share of its length.
 const END: f64 = 0.06;
@@ -100,7 +57,7 @@ pub enum SetupError {
     Empty,
     /// The direction given is no direction.
     #[error(
-        "the spindle axis {0} has no length; give x, y, z or three numbers such as \"1 0 0.2\""
+        "the spindle axis {0} is no direction; give x, y, z or three numbers such as \"1 0 0.2\""
     )]
     NoAxis(String),
     /// It cannot be held.
@@ -126,38 +83,6 @@ impl Setup {
     /// The points of the part alone.
     pub fn own_points(&self) -> impl Iterator<Item = &Point3> {
         self.surface.points()[..self.n_own_points].iter()
-    }
-}
-
-impl FromStr for SpindleAxis {
-    type Err = SetupError;
-
-    /// `auto`, `x`, `y`, `z`, each with a sign, or three numbers.
-    fn from_str(text: &str) -> Result<Self, SetupError> {
-        let (sign, name) = match text.strip_prefix('-') {
-            Some(rest) if rest.len() == 1 => (-1.0, rest),
-            _ => (1.0, text.strip_prefix('+').unwrap_or(text)),
-        };
-        let axis = match name {
-            "auto" => return Ok(Self::Auto),
-            "x" | "X" => Vector3::x(),
-            "y" | "Y" => Vector3::y(),
-            "z" | "Z" => Vector3::z(),
-            _ => {
-                let parts = text.split([' ', ',']).filter(|part| !part.is_empty());
-                let numbers: Vec<f64> = parts.filter_map(|part| part.parse().ok()).collect();
-                match numbers[..] {
-                    [x, y, z] => Vector3::new(x, y, z),
-                    _ => Vector3::zeros(),
-                }
-            }
-        };
-        let length = axis.norm();
-        if length > 0.0 && length.is_finite() {
-            Ok(Self::Along(axis * (sign / length)))
-        } else {
-            Err(SetupError::NoAxis(format!("{text:?}")))
-        }
     }
 }
 
@@ -277,38 +202,6 @@ fn place(
     }
 }
 
-fn mirrored(surface: Surface) -> Surface {
-    match surface {
-        Surface::Mesh(mesh) => Surface::Mesh(mesh.mirrored()),
-        Surface::Points(mut cloud) => {
-            for point in &mut cloud.points {
-                point.y = -point.y;
-            }
-            for normal in cloud.normals.iter_mut().flatten() {
-                normal.y = -normal.y;
-            }
-            Surface::Points(cloud)
-        }
-        Surface::Sections(grid) => Surface::Mesh(grid.to_mesh().mirrored()),
-    }
-}
-
-fn moved(surface: Surface, pose: &Pose) -> Surface {
-    match surface {
-        Surface::Mesh(mesh) => Surface::Mesh(mesh.moved(pose)),
-        Surface::Points(mut cloud) => {
-            for point in &mut cloud.points {
-                *point = pose * *point;
-            }
-            for normal in cloud.normals.iter_mut().flatten() {
-                *normal = pose.rotation * *normal;
-            }
-            Surface::Points(cloud)
-        }
-        Surface::Sections(grid) => Surface::Mesh(grid.to_mesh().moved(pose)),
-    }
-}
-
 /// A clamp as triangles, or, under a cloud, as the points that bound it.
 fn add_clamp(surface: &mut Surface, clamp: TriMesh) {
     match surface {
@@ -325,52 +218,6 @@ fn add_clamp(surface: &mut Surface, clamp: TriMesh) {
 fn farthest(surface: &Surface, line: &Point3) -> f64 {
     let points = surface.points().iter();
     points.map(|p| (p.y - line.y).hypot(p.z - line.z)).fold(0.0, f64::max)
-}
-
-/// Where a surface lies and how it spreads.
-struct Spread {
-    centroid: Point3,
-    covariance: Matrix3,
-}
-
-impl Spread {
-    /// Of triangles by area, of points by number; `None` of nothing.
-    fn of(surface: &Surface) -> Option<Self> {
-        match surface {
-            Surface::Mesh(mesh) => {
-                let weighted = |i: usize| (mesh.corners(i), mesh.area_vector(i).norm());
-                Self::of_weighted((0..mesh.triangles.len()).map(weighted))
-            }
-            _ => Self::of_weighted(surface.points().iter().map(|&p| ([p; 3], 1.0))),
-        }
-    }
-
-    // Over a triangle of corners a, b, c about any origin the mean of p p^T is
-    // (a a^T + b b^T + c c^T + (a + b + c)(a + b + c)^T) / 12.
-    fn of_weighted(pieces: impl Iterator<Item = ([Point3; 3], f64)> + Clone) -> Option<Self> {
-        let sum = |corners: [Vector3; 3]| corners[0] + corners[1] + corners[2];
-        let total: f64 = pieces.clone().map(|(_, weight)| weight).sum();
-        if total <= 0.0 {
-            return None;
-        }
-        let mean = |corners: [Point3; 3]| sum(corners.map(|p| p.coords)) / 3.0;
-        let moment: Vector3 = pieces.clone().map(|(corners, weight)| mean(corners) * weight).sum();
-        let centroid = moment / total;
-        let covariance = pieces.fold(Matrix3::zeros(), |covariance, (corners, weight)| {
-            let out = corners.map(|p| p.coords - centroid);
-            let squares: Matrix3 = out.iter().map(|v| v * v.transpose()).sum();
-            let all = sum(out);
-            covariance + (squares + all * all.transpose()) * (weight / total / 12.0)
-        });
-        Some(Self { centroid: centroid.into(), covariance })
-    }
-
-    fn principal_axis(&self) -> Vector3 {
-        let eigen = SymmetricEigen::new(self.covariance);
-        let axis: Vector3 = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into();
-        let axis = Unit::new_normalize(axis).into_inner();
-        axis * axis[axis.iamax()].signum()
-    }
 }
 
 #[cfg(test)]
@@ -430,11 +277,5 @@ mod tests {
         let setup = set_up(Surface::Mesh(rod), &lathe(), &options).unwrap();
         assert!((setup.swing - 10_f64.hypot(15.0)).abs() < 0.6, "{}", setup.swing);
         assert!(setup.loose.is_empty());
-    }
-
-    #[test]
-    fn an_axis_without_length_is_refused_by_its_text() {
-        let error = "0 0 0".parse::<SpindleAxis>().unwrap_err().to_string();
-        assert!(error.contains("\"0 0 0\"") && error.contains("three numbers"), "{error}");
     }
 }
