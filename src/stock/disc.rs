@@ -44,9 +44,11 @@ impl Section for Disc {
         let p = rays.cos * self.centre[0] + rays.sin * self.centre[1];
         let q = p * p - self.k;
         let root = q.max(0.0).sqrt();
-        let is_met = q.simd_ge(0.0) & p.simd_gt(0.0);
+        // One that holds the axis is entered where the ray begins.
+        let (entry, exit) = ((p - root).max(0.0), p + root);
+        let is_met = q.simd_ge(0.0) & exit.simd_gt(0.0);
         let outside = f64x8::splat(simd, f64::INFINITY);
-        [is_met.select(p - root, outside), is_met.select(p + root, outside)]
+        [is_met.select(entry, outside), is_met.select(exit, outside)]
     }
 
     /// On the rim of a disc the power of a point with respect to another disc is linear in the

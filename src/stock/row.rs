@@ -17,7 +17,7 @@ pub struct Cut {
     pub depth: f64,
     /// Rays whose material stands over the tool with air in between; they were kept whole.
     pub n_overhangs: u32,
-    /// The tool went across the spindle axis, or below the block.
+    /// The tool took the material on the spindle axis, or went below the block.
     pub is_through: bool,
 }
 
@@ -99,17 +99,9 @@ impl Row<'_> {
         }
     }
 
-    /// Takes the whole row away: the tool lies across the spindle axis.
-    #[inline(never)]
-    pub(super) fn clear(&mut self, engagement: u32, cut: &mut Cut) {
-        if self.ends.iter().any(|&end| end > self.layout.floor) {
-            self.engage(engagement);
-            for column in 0..self.ends.len() {
-                self.lower(column, self.layout.floor, cut);
-            }
-            self.peaks[..self.layout.n_tiles()].fill(self.layout.floor);
-            cut.is_through = true;
-        }
+    /// True if material lies all around the axis.
+    pub(super) fn holds_axis(&self) -> bool {
+        self.ends.iter().all(|&end| end > self.layout.floor)
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) trait Section: Copy {
     /// enter some convex region, with the same place nearest to the axis.
     fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S>;
     /// Where rays that end at `ends` enter and leave it; infinite where they pass it by, or end
-    /// before it.
+    /// before it. They enter a section that holds the axis where they begin.
     fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, ends: f64x8<S>) -> [f64x8<S>; 2];
     /// The tiles on which it lies within `last`, as bits, or some of them, if its `bound` is where
     /// rays enter it.
@@ -130,11 +130,7 @@ impl<B: Blade> Bite for Placed<B> {
         if stripe.highest <= pass.nearest {
             return;
         }
-        if pass.nearest <= 0.0 {
-            for i in turn.rows.filter(|&i| pass.sections[i].nearest().is_none()) {
-                stripe.row(i).clear(self.engagement, cut);
-            }
-        }
+        let held = pass.rows_on_axis(stripe);
         let columns = window(layout, &pass.widest, stripe.highest);
         let zero = f64x8::splat(simd, 0.0);
         let mut sums = Sums { simd, removed: zero, depth: zero, n_overhangs: 0 };
@@ -146,6 +142,7 @@ impl<B: Blade> Bite for Placed<B> {
         cut.removed += sums.removed.as_slice().iter().sum::<f64>() / 2.0 * layout.across[1];
         cut.depth = cut.depth.max(sums.depth.reduce_max());
         cut.n_overhangs += sums.n_overhangs;
+        cut.is_through |= (0..STRIPE).any(|i| held[i] && !stripe.row(i).holds_axis());
     }
 }
 
@@ -188,6 +185,18 @@ impl<'a, B: Blade> Pass<'a, B> {
             pass.was_cut_clear[i] = stripe.cut_clear[i] + 1 == turn.number;
         }
         pass
+    }
+
+    /// The rows whose material holds the axis, where the tool comes across it.
+    #[inline(always)]
+    fn rows_on_axis(&self, stripe: &mut Stripe) -> [bool; STRIPE] {
+        let mut held = [false; STRIPE];
+        if self.nearest <= 0.0 {
+            for i in self.rows.clone().filter(|&i| self.sections[i].nearest().is_none()) {
+                held[i] = stripe.row(i).holds_axis();
+            }
+        }
+        held
     }
 
     /// Cuts a group of tiles in all the rows.

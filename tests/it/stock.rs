@@ -469,21 +469,21 @@ impl Rays {
             }
             let radius = major + nose2.sqrt();
             let step = TAU / ends.len() as f64;
+            let holds_axis = ends.iter().all(|&end| end > 0.0);
             for (j, end) in ends.iter_mut().enumerate() {
                 let turn = step * j as f64 - a;
                 let aside = far * turn.sin();
                 let half = (radius * radius - aside * aside).max(0.0).sqrt();
-                let meets = radius > aside.abs() && (turn.cos() > 0.0 || radius > far);
                 let [entry, exit] = [far * turn.cos() - half, far * turn.cos() + half];
-                let lower = if radius >= far { 0.0 } else { entry };
-                if !meets && radius < far || lower >= *end {
+                let lower = entry.max(0.0);
+                if radius <= aside.abs() || exit <= 0.0 || lower >= *end {
                     continue;
                 }
-                if radius < far && *end > exit {
+                if *end > exit {
                     cut.n_overhangs += 1;
                     continue;
                 }
-                cut.is_through |= radius >= far;
+                cut.is_through |= lower == 0.0 && holds_axis;
                 cut.removed += (*end * *end - lower * lower) / 2.0 * step * weight;
                 cut.depth =
                     if *end - lower > 1e-4 { cut.depth.max(*end - lower) } else { cut.depth };
@@ -500,6 +500,7 @@ impl Rays {
         let mut cut = Cut::default();
         for ([row_x, weight], ends) in self.rows.iter().zip(&mut self.ends) {
             let step = TAU / ends.len() as f64;
+            let holds_axis = ends.iter().all(|&end| end > 0.0);
             for (j, end) in ends.iter_mut().enumerate() {
                 let (sin, cos) = (step * j as f64).sin_cos();
                 let inside = |s: f64| {
@@ -530,10 +531,10 @@ impl Rays {
                 };
                 let entry = if inside(0.0) >= 0.0 { 0.0 } else { edge(0.0) };
                 let exit = if inside(200.0) >= 0.0 { f64::INFINITY } else { edge(200.0) };
-                cut.is_through |= entry == 0.0 && *end > 0.0;
-                if entry >= *end || (*end > exit && entry > 0.0) {
+                if entry >= *end || *end > exit {
                     continue;
                 }
+                cut.is_through |= entry == 0.0 && holds_axis;
                 cut.removed += (*end * *end - entry * entry) / 2.0 * step * weight;
                 cut.depth =
                     if *end - entry > 1e-4 { cut.depth.max(*end - entry) } else { cut.depth };
