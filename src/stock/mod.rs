@@ -10,8 +10,8 @@
 //! * a hollow *behind* material, seen from the end of the ray: a body is filled up to its outermost
 //!   surface, and what stands over a tool that passes beneath it is kept whole, with what the tool
 //!   took from below it ([`Cut::n_overhangs`] counts such rays);
-//! * a part cut in two: a tool that takes the material on the spindle axis, or goes below the block
-//!   on a table, takes its rays away down to where they begin and says so ([`Cut::is_through`]).
+//! * a part cut in two: a tool that takes the last of the material about the spindle axis, or goes
+//!   below the block on a table, says so ([`Cut::is_through`]).
 //!
 //! A part turned about a table's axis under a tool of constant tilt has rays about that axis
 //! ([`Layout::about`]); the tool leans along it. A part tilted between moves needs dexels in three

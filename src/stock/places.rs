@@ -4,6 +4,7 @@ use super::layout::{At, Kind, Layout};
 use super::{Stance, StockError, Sweep};
 use crate::machine::Machine;
 use crate::tool::Cutter;
+use std::f64::consts::TAU;
 
 /// A move that takes more places of the tool than this is refused.
 const MOST_POSES: f64 = 1e6;
@@ -11,6 +12,10 @@ const MOST_POSES: f64 = 1e6;
 const SHARP_SHARE: f64 = 0.25;
 /// What may stay between two places of a tool on a move, as a share of the resolution.
 const SWEEP_SHARE: f64 = 0.02;
+/// Between two places the part turns no more than this, or what is said of a tool that rolls over it
+/// does not hold [rad].
+const MOST_TURN: f64 = TAU / 16.0;
+
 /// The places of a tool on one move.
 pub(super) struct Places {
     pub(super) from: At,
@@ -148,7 +153,8 @@ impl Gaps {
                 }
             },
         };
-        let n_steps = (whole / (SWEEP_SHARE * resolution)).sqrt().ceil().max(1.0);
+        let rolls = (whole / (SWEEP_SHARE * resolution)).sqrt();
+        let n_steps = rolls.max(self.turn / MOST_TURN).ceil().max(1.0);
         (n_steps, whole / (n_steps * n_steps))
     }
 }

@@ -17,7 +17,7 @@ pub struct Cut {
     pub depth: f64,
     /// Rays whose material stands over the tool with air in between; they were kept whole.
     pub n_overhangs: u32,
-    /// The tool took the material on the spindle axis, or went below the block.
+    /// The tool took the last material about the spindle axis somewhere, or went below the block.
     pub is_through: bool,
 }
 
@@ -99,9 +99,9 @@ impl Row<'_> {
         }
     }
 
-    /// True if material lies all around the axis.
-    pub(super) fn holds_axis(&self) -> bool {
-        self.ends.iter().all(|&end| end > self.layout.floor)
+    /// True if any material is left.
+    pub(super) fn stands(&self) -> bool {
+        self.ends.iter().any(|&end| end > self.layout.floor)
     }
 }
 

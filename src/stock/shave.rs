@@ -130,7 +130,7 @@ impl<B: Blade> Bite for Placed<B> {
         if stripe.highest <= pass.nearest {
             return;
         }
-        let held = pass.rows_on_axis(stripe);
+        let stood = pass.rows_across(stripe);
         let columns = window(layout, &pass.widest, stripe.highest);
         let zero = f64x8::splat(simd, 0.0);
         let mut sums = Sums { simd, removed: zero, depth: zero, n_overhangs: 0 };
@@ -142,7 +142,7 @@ impl<B: Blade> Bite for Placed<B> {
         cut.removed += sums.removed.as_slice().iter().sum::<f64>() / 2.0 * layout.across[1];
         cut.depth = cut.depth.max(sums.depth.reduce_max());
         cut.n_overhangs += sums.n_overhangs;
-        cut.is_through |= (0..STRIPE).any(|i| held[i] && !stripe.row(i).holds_axis());
+        cut.is_through |= (0..STRIPE).any(|i| stood[i] && !stripe.row(i).stands());
     }
 }
 
@@ -187,16 +187,16 @@ impl<'a, B: Blade> Pass<'a, B> {
         pass
     }
 
-    /// The rows whose material holds the axis, where the tool comes across it.
+    /// The rows with any material left that the tool comes at across the axis.
     #[inline(always)]
-    fn rows_on_axis(&self, stripe: &mut Stripe) -> [bool; STRIPE] {
-        let mut held = [false; STRIPE];
+    fn rows_across(&self, stripe: &mut Stripe) -> [bool; STRIPE] {
+        let mut stand = [false; STRIPE];
         if self.nearest <= 0.0 {
             for i in self.rows.clone().filter(|&i| self.sections[i].nearest().is_none()) {
-                held[i] = stripe.row(i).holds_axis();
+                stand[i] = stripe.row(i).stands();
             }
         }
-        held
+        stand
     }
 
     /// Cuts a group of tiles in all the rows.
