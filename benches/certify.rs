@@ -1,5 +1,6 @@
 //! What certifying a path costs beside digitizing it: by the tree, and by trying every primitive.
-//! `cargo bench --bench certify`; with `HORMA_DATA` set around the real foot, else a bumpy cylinder.
+//! `cargo bench --bench certify`; with `HORMA_DATA` set around the real foot, else a bumpy cylinder. A
+//! word of their names picks cases: `cargo bench --bench certify -- flat`.
 
 use horma::cam::{CertifyOptions, Contact, Digitizer, Draft, Grid, Method, Part, certify};
 use horma::geom::{Pose, TriMesh, shapes};
@@ -21,17 +22,31 @@ fn main() {
     let part = Part::triangles(&mesh);
     let length = mesh.aabb().size().x;
     println!("{} triangles, one thread, tolerance {TOLERANCE} mm", mesh.triangles.len());
+    // Cargo's own flags begin with a dash.
+    let picked: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let radius = 6.0;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     for (name, machine, profile) in [
         ("wheel R60 r10", "last-lathe", Profile::Wheel { major_radius: 60.0, minor_radius: 10.0 }),
-        ("ball 6", "mill-rotary", Profile::Ball { radius: 6.0 }),
+        ("ball 6", "mill-rotary", Profile::Ball { radius }),
+        ("flat 6", "mill-rotary", Profile::Flat { radius }),
+        ("bull 6 r2", "mill-rotary", Profile::Bull { radius, corner_radius: 2.0 }),
+        (
+            "ball-cone 6 r2",
+            "mill-rotary",
+            Profile::BallCone { radius, tip_radius: 2.0, half_angle: 0.3 },
+        ),
     ] {
         let machine = Machine::builtin(machine).expect("a built-in machine");
         for degrees in [1, 2, 5] {
+            let name = format!("{name}, {degrees} degrees");
+            if !picked.is_empty() && !picked.iter().any(|word| name.contains(word)) {
+                continue;
+            }
             let words = helix(&machine, length, degrees);
             let bench =
                 Bench { machine: &machine, part: &part, cutter: profile.cutter(0.0), words };
-            pool.install(|| bench.compare(&format!("{name}, {degrees} degrees")));
+            pool.install(|| bench.compare(&name));
         }
     }
 }

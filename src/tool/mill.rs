@@ -3,7 +3,7 @@
 //! One shape serves ball, flat, bull, cone and ball-cone mills (the APT tool): seen from the axis
 //! outwards a flat, a corner arc, a straight flank, and a rim arc that only an allowance makes.
 
-use super::height::{HeightFunction, Jet, Reach, Sharpness, Swept, Tangent};
+use super::height::{HeightFunction, Jet, Reach, Rim, Sharpness, Swept, Tangent};
 use super::wheel::disc_chord;
 use crate::geom::Vector3;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
@@ -69,6 +69,22 @@ impl Mill {
     pub fn flat_radius(&self) -> Option<f64> {
         let is_flat = self.corner.radius == 0.0 && self.flank.is_none();
         is_flat.then_some(self.corner.center)
+    }
+
+    /// The arc that the shadow ends with.
+    fn outer(&self) -> Arc {
+        self.flank.map_or(self.corner, |flank| flank.rim)
+    }
+
+    /// How steep planes over the sharp rim are, if there is one: what an arc would be at `share` of its
+    /// radius, and no less than the flank inside.
+    #[inline(always)]
+    fn beyond_rim(&self, share: f32) -> Option<f64> {
+        self.rim().map(|_| {
+            let share = f64::from(share);
+            let of_arc = share / (1.0 - share * share).sqrt();
+            self.flank.map_or(of_arc, |flank| of_arc.max(flank.slope))
+        })
     }
 
     /// `u`, `u'` and `u''` at a distance from the axis.
@@ -168,7 +184,7 @@ impl HeightFunction for Mill {
     ) -> Tangent<S> {
         let splat = |value: f64| f32x16::splat(simd, value as f32);
         let rho = (x * x + z * z).sqrt();
-        let outer = self.flank.map_or(self.corner, |flank| flank.rim);
+        let outer = self.outer();
         let at = rho.min((outer.center + f64::from(share) * outer.radius) as f32);
         let (mut value, mut slope) = self.corner.tangent(simd, at, share);
         if let Some(flank) = &self.flank {
@@ -180,6 +196,10 @@ impl HeightFunction for Mill {
             let (rim_value, rim_slope) = flank.rim.tangent(simd, at, share);
             value = outer.select(rim_value, value);
             slope = outer.select(rim_slope, slope);
+        }
+        if let Some(steepest) = self.beyond_rim(share) {
+            let is_beyond = rho.simd_gt(self.radius as f32);
+            slope = is_beyond.select(splat(-steepest), slope);
         }
         let per_rho = rho.simd_gt(0.0).select(splat(1.0) / rho, splat(0.0));
         let (along_x, along_z) = (x * per_rho, z * per_rho);
@@ -254,6 +274,11 @@ impl HeightFunction for Mill {
     // Only a ball bends everywhere.
     fn least_bend(&self) -> [f64; 2] {
         [self.ball_radius().map_or(0.0, |radius| 1.0 / radius); 2]
+    }
+
+    fn rim(&self) -> Option<Rim> {
+        let outer = self.outer();
+        (outer.radius == 0.0).then_some(Rim { radius: self.radius, height: -outer.rise })
     }
 
     fn reach(&self) -> Reach {

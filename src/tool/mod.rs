@@ -18,7 +18,7 @@ pub use body::{Axle, Body, BodyError, BodyPart, Cylinder, Side};
 pub use cutter::Cutter;
 pub use error::ToolError;
 pub(crate) use error::{hint, nearest};
-pub use height::{HeightFunction, Jet, Reach, Sharpness, Swept, Tangent};
+pub use height::{HeightFunction, Jet, Reach, Rim, Sharpness, Swept, Tangent};
 pub use library::ToolLibrary;
 pub use mill::Mill;
 pub use place::Place;

@@ -2,7 +2,7 @@
 //!
 //! Where the sweep of the whole move cannot tell, its middle is digitized exactly. Is the gouge too
 //! deep there, the answer is no; else both halves are asked in the same way. What neither gouges nor
-//! can be told from it on a sixty-fourth of the move stays open. Where a move as long could not be
+//! can be told from it on a quarter of the move, under a blunt tool a sixty-fourth, stays open. Where a move as long could not be
 //! told lately, the middle comes first: mostly it gouges, and the sweep is spared.
 
 use super::motion::{Lever, Motion};
@@ -13,8 +13,12 @@ use crate::machine::{AxisValues, Machine};
 use crate::tool::HeightFunction;
 use fearless_simd::Simd;
 
-/// Moves are halved so often before they are given up.
-const MOST_HALVINGS: u32 = 6;
+/// Moves are halved so often before they are given up: by their bend only short ones are proved, and
+/// only a blunt tool is proved by its bend.
+const MOST_HALVINGS_IF_BLUNT: u32 = 6;
+/// Under other tools planes go along with the whole move, and a part of it is hardly ever told
+/// better; but each look costs a sweep.
+const MOST_HALVINGS: u32 = 2;
 
 /// A tool that bends less along its way [1/mm], as a wheel does along its rim, is close to the part
 /// over many triangles: halving until they run smoothly is cheaper than cutting them.
@@ -71,7 +75,8 @@ impl End {
 impl<H: HeightFunction, S: Simd, const N: usize> Prover<'_, H, S, N> {
     /// Is the tool anywhere on the move deeper in the part than allowed?
     pub(super) fn judge(&mut self, from: &End, to: &End) -> Verdict {
-        self.judge_halves(from, to, MOST_HALVINGS)
+        let n_halvings = if self.is_blunt() { MOST_HALVINGS_IF_BLUNT } else { MOST_HALVINGS };
+        self.judge_halves(from, to, n_halvings)
     }
 
     fn judge_halves(&mut self, from: &End, to: &End, n_halvings: u32) -> Verdict {
@@ -95,7 +100,8 @@ impl<H: HeightFunction, S: Simd, const N: usize> Prover<'_, H, S, N> {
             && self.harm(&motion, line, limits) == f32::NEG_INFINITY
         {
             if is_doubtful {
-                self.doubtful = f64::INFINITY;
+                // Longer ones are in doubt until one of them holds.
+                self.doubtful = length2 / NEARLY;
             }
             return Verdict::Holds;
         }
@@ -130,9 +136,7 @@ impl<H: HeightFunction, S: Simd, const N: usize> Prover<'_, H, S, N> {
     /// Do the very points that a blunt tool touches at the ends bend down by more than `bend`? Then a
     /// sweep could hardly tell either.
     fn is_too_coarse(&self, from: &End, to: &End, motion: &Motion, bend: f64) -> bool {
-        let [_, least_bend] = self.tool.least_bend();
-        let is_blunt = 0.0 < least_bend && least_bend < BLUNT;
-        is_blunt
+        self.is_blunt()
             && [from, to].into_iter().filter_map(|end| end.touched).any(|point| {
                 let at = motion.place.of(&point);
                 let way = motion.velocity.of(&point);
@@ -144,6 +148,11 @@ impl<H: HeightFunction, S: Simd, const N: usize> Prover<'_, H, S, N> {
                     bend < -(with_part + slope(way.x, way.z).bend)
                 }
             })
+    }
+
+    fn is_blunt(&self) -> bool {
+        let [_, least_bend] = self.tool.least_bend();
+        0.0 < least_bend && least_bend < BLUNT
     }
 
     fn harm(&mut self, motion: &Motion, line: [f64; 2], limits: Limits) -> f32 {

@@ -130,6 +130,21 @@ fn a_ball_over_a_ridge_sinks_in_by_the_sagitta_of_its_own_radius() {
 }
 
 #[test]
+fn a_flat_end_that_climbs_a_ball_sinks_in_by_the_chord_of_what_its_rim_touches() {
+    let ball = shapes::sphere(&Point3::new(0.0, 0.0, -20.0), 20.0, 120);
+    let bench = Bench::new("mill-3axis", &ball, Profile::Flat { radius: 6.0 });
+    let height = |out: f64| (400.0 - (out - 6.0).powi(2)).sqrt();
+    for [from, to] in [[10.0, 12.0], [8.0, 11.0], [7.0, 10.0_f64]] {
+        let words = [from, to].map(|y| [0.0, y, 0.0, 0.0, 0.0, 0.0]);
+        // The heights' rate grows along the way: the chord is deepest near its middle.
+        let gouge = height(f64::midpoint(from, to)) - f64::midpoint(height(from), height(to));
+        // The ball's facets lie up to 0.002 mm inside it.
+        assert!(bench.is_proved(&words, 1.02 * gouge + 0.004), "{gouge} from {from} to {to}");
+        assert!(!bench.is_proved(&words, 0.98 * gouge - 0.004), "{gouge} from {from} to {to}");
+    }
+}
+
+#[test]
 fn a_round_bar_needs_no_step_however_coarse_the_move() {
     let bench = Bench::new("last-lathe", &shapes::prism(3_600, 30.0, 60.0), WHEEL);
     // Its 3,600 sides leave a gouge of a thousandth at most.

@@ -24,19 +24,19 @@ mod smooth;
 use super::motion::{Affine, Motion};
 use crate::geom::{Leaf, PatchTree, Point3};
 use crate::tool::HeightFunction;
-use cut::{Piece, cut, piece_of};
+use cut::{Piece, cut, longest2, piece_of};
 use fearless_simd::{f32x16, prelude::*};
 use frame::Map;
 
 /// Roundings of `f32` (half an epsilon each) that meet in one number, of at most the terms' greatest
 /// size.
 const ROUNDINGS: f32 = 32.0;
-/// How often a triangle is cut into sixteen.
-const MOST_CUTS: u32 = 6;
+/// Pieces no longer than this are not cut any more [mm]: what is left to gain is less.
+const SMALLEST: f32 = 0.005;
 /// Cutting ends after so many groups of pieces: a shorter move settles the rest sooner.
 const MOST_GROUPS: usize = 256;
 /// A ceiling is to be low, however long it takes: there are few.
-const MOST_GROUPS_OF_CEILING: usize = 1024;
+const MOST_GROUPS_OF_CEILING: usize = 512;
 
 /// One move over the part.
 pub(super) struct Sweep<'a, H, S: Simd, const N: usize> {
@@ -77,7 +77,15 @@ pub(super) struct Limits {
 #[derive(Debug)]
 pub(super) struct Waiting<const N: usize> {
     nodes: Vec<(u32, u32)>,
-    pieces: Vec<(u32, Piece<N>)>,
+    pieces: Vec<Uncut<N>>,
+}
+
+/// A triangle, or a piece of one, that may do harm.
+#[derive(Debug)]
+struct Uncut<const N: usize> {
+    /// It holds the tool no higher above the line.
+    height: f32,
+    piece: Piece<N>,
 }
 
 impl<const N: usize> Default for Waiting<N> {
@@ -136,7 +144,7 @@ impl<'a, H: HeightFunction, S: Simd, const N: usize> Sweep<'a, H, S, N> {
             #[inline(always)]
             || {
                 let of_points = self.of_tree(limits, waiting);
-                of_points.max(self.of_pieces(limits, waiting))
+                of_points.max(self.of_pieces(limits, &mut waiting.pieces))
             },
         )
     }
@@ -162,7 +170,8 @@ impl<'a, H: HeightFunction, S: Simd, const N: usize> Sweep<'a, H, S, N> {
             let (height, harmful) = self.harmful_primitives(leaf, limits);
             for lane in lanes(harmful & there) {
                 if 1 < N {
-                    pieces.push((MOST_CUTS, self.piece(leaf, lane)));
+                    let piece = self.piece(leaf, lane);
+                    pieces.push(Uncut { height: height[lane], piece });
                 } else {
                     harm = harm.max(height[lane]);
                     if limits.is_verdict {
@@ -174,27 +183,34 @@ impl<'a, H: HeightFunction, S: Simd, const N: usize> Sweep<'a, H, S, N> {
         harm
     }
 
-    /// Cuts triangles until their pieces are harmless, or too small or too many.
+    /// Cuts triangles, down to the smallest pieces of the highest first: what does harm shows soon, and
+    /// what lies no higher is then left alone.
     #[inline(always)]
-    fn of_pieces(&self, limits: Limits, waiting: &mut Waiting<N>) -> f32 {
+    fn of_pieces(&self, limits: Limits, pieces: &mut Vec<Uncut<N>>) -> f32 {
         let mut harm = f32::NEG_INFINITY;
-        let mut n_groups = waiting.pieces.len();
+        let mut n_groups = 0;
         let most_groups = if limits.is_verdict { MOST_GROUPS } else { MOST_GROUPS_OF_CEILING };
-        while let Some((n_cuts, piece)) = waiting.pieces.pop() {
-            let pieces = cut(&piece);
-            let (height, harmful) = self.harmful_pieces(&pieces, limits);
-            let may_cut = 1 < n_cuts && n_groups < most_groups;
-            for lane in lanes(harmful) {
-                if may_cut {
-                    n_groups += 1;
-                    waiting.pieces.push((n_cuts - 1, piece_of(&pieces, lane)));
-                } else {
-                    harm = harm.max(height[lane]);
-                    if limits.is_verdict {
-                        return harm;
-                    }
-                }
+        bring_highest_to_end(pieces);
+        while let Some(uncut) = pieces.pop() {
+            if uncut.height <= harm {
+                continue;
             }
+            if longest2(&uncut.piece) <= SMALLEST.powi(2) || n_groups == most_groups {
+                harm = uncut.height;
+                if limits.is_verdict {
+                    break;
+                }
+                continue;
+            }
+            n_groups += 1;
+            let group = cut(self.simd, &uncut.piece);
+            let (height, harmful) = self.harmful_pieces(&group, limits);
+            let n_before = pieces.len();
+            pieces.extend(lanes(harmful).map(|lane| Uncut {
+                height: height[lane].min(uncut.height),
+                piece: piece_of(&group, lane),
+            }));
+            bring_highest_to_end(&mut pieces[n_before..]);
         }
         harm
     }
@@ -209,6 +225,13 @@ impl<'a, H: HeightFunction, S: Simd, const N: usize> Sweep<'a, H, S, N> {
                 [0, 1, 2].map(|axis| of_point[axis] as f32)
             })
         })
+    }
+}
+
+fn bring_highest_to_end<const N: usize>(pieces: &mut [Uncut<N>]) {
+    let heights = pieces.iter().map(|uncut| uncut.height).enumerate();
+    if let Some((highest, _)) = heights.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+        pieces.swap(highest, pieces.len() - 1);
     }
 }
 

@@ -97,3 +97,117 @@ fn highest_rise<S: Simd>(climb: f32x16<S>, bend: f32x16<S>) -> f32x16<S> {
     let at_one = bend.mul_add(-0.5, climb);
     first.max(second).max(third).max(fourth).max(at_one)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cam::certify::motion::{Lever, Motion};
+    use crate::geom::{PatchTree, Point3, Vector3, WIDTH, shapes};
+    use crate::machine::{AxisKind, AxisValues, Machine};
+    use crate::tool::Mill;
+    use fearless_simd::{Level, dispatch};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    /// Corners, middles of sides and faces, and the centre of the box in one lane.
+    fn places(tree: &PatchTree<3>, node: &Node, lane: usize) -> Vec<Point3> {
+        let vector =
+            |lanes: &[[f32; WIDTH]; 3]| Vector3::from([0, 1, 2].map(|i| lanes[i][lane].into()));
+        let [a, b, c] = node.sides.each_ref().map(vector);
+        let shares = |i: i32| [i % 3, i / 3 % 3, i / 9].map(|share| f64::from(share - 1));
+        let place =
+            |[p, q, r]: [f64; 3]| tree.origin + vector(&node.center) + a * p + b * q + c * r;
+        (0..27).map(|i| place(shares(i))).collect()
+    }
+
+    /// On long moves, so that boxes turn a lot.
+    #[test]
+    fn no_place_of_a_box_comes_higher_on_a_move_than_the_bent_plane_over_it_says() {
+        let mut random = Pcg64Mcg::seed_from_u64(17);
+        let mesh = shapes::bumpy_cylinder(3_000);
+        let primitives: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
+        let tree = PatchTree::build(&primitives);
+        let boxes = tree.nodes.iter().flat_map(|node| (0..WIDTH).map(move |l| (node, l)));
+        let boxes: Vec<_> = boxes
+            .filter(|(node, lane)| 0.0 <= node.radius[*lane])
+            .map(|(node, lane)| (node, lane, places(&tree, node, lane)))
+            .collect();
+        let machine = Machine::builtin("mill-rotary").unwrap();
+        let lever = Lever::new(&machine, boxes.iter().flat_map(|(.., places)| places).copied());
+        let ball = Mill::straight(0.0, 6.0, 0.0);
+        let mut n_checked = 0;
+        for _ in 0..60 {
+            let mut ends = [machine.at_rest(); 2];
+            for (i, axis) in machine.axes.iter().enumerate().filter(|(i, _)| *i != machine.attack) {
+                let is_linear = axis.kind == AxisKind::Linear;
+                let [place, step] = if is_linear { [30.0, 6.0] } else { [3.0, 0.7] };
+                ends[0][i] = place * random.random_range(-1.0..2.0);
+                ends[1][i] = ends[0][i] + step * random.random_range(-1.0..1.0);
+            }
+            let motion = Motion::new(&lever, &ends[0], &ends[1]);
+            let poses: Vec<_> = (0..=16)
+                .map(|i| {
+                    let at =
+                        |k: usize| ends[0][k] + (ends[1][k] - ends[0][k]) * f64::from(i) / 16.0;
+                    machine.attack_from_part(&AxisValues::from(std::array::from_fn(at)))
+                })
+                .collect();
+            for (node, lane, places) in &boxes {
+                let seen =
+                    places.iter().flat_map(|place| poses.iter().map(move |pose| pose * place));
+                let held = seen.filter_map(|at| Some(at.y + ball.height(at.x, at.z)?));
+                let Some(highest) = held.reduce(f64::max) else { continue };
+                // Nothing is told by how it bends, or by being low beyond: only by the plane.
+                let limits = Limits {
+                    gouge: highest - 1e-3,
+                    deepest: f64::NEG_INFINITY,
+                    bend: -1.0,
+                    is_verdict: true,
+                };
+                let harmful = dispatch!(Level::new(), simd => {
+                    Sweep::new(simd, &ball, &tree, &motion, [0.0; 2]).harmful_children(node, limits)
+                });
+                assert!(harmful >> lane & 1 == 1, "{highest} mm is thought too high");
+                n_checked += 1;
+            }
+        }
+        assert!(n_checked > 300, "{n_checked}");
+    }
+
+    /// Its middle passes by outside the ball; the end that the ball comes to is turned towards it.
+    #[test]
+    fn a_long_box_that_turns_aside_on_its_way_is_not_taken_to_pass_where_its_middle_does() {
+        let half = 46.0;
+        let corner = |x: f64, y: f64| Point3::new(x, y, 0.0);
+        let needle = [corner(-half, -0.01), corner(half, -0.01), corner(0.0, 0.01)];
+        let tree = PatchTree::build(&[needle]);
+        let places = places(&tree, &tree.nodes[0], 0);
+        let machine = Machine::builtin("mill-5axis").unwrap();
+        let lever = Lever::new(&machine, places.iter().copied());
+        let [x, y, c] = ['X', 'Y', 'C'].map(|letter| machine.axis_index(letter).unwrap());
+        let ball = Mill::straight(0.0, 6.0, 0.0);
+        let mut n_met = 0;
+        for beside in [10.0, -10.0] {
+            let at = |share: f64| {
+                let mut words = machine.at_rest();
+                (words[x], words[y], words[c]) = (share * half, beside, share * 0.1);
+                words
+            };
+            let motion = Motion::new(&lever, &at(-1.0), &at(1.0));
+            let poses = (-20..=20).map(|i| machine.attack_from_part(&at(f64::from(i) / 20.0)));
+            let seen = poses.flat_map(|pose| places.iter().map(move |place| pose * place));
+            let held = seen.filter_map(|at| Some(at.y + ball.height(at.x, at.z)?));
+            let Some(highest) = held.reduce(f64::max) else { continue };
+            let gouge = highest - 1e-3;
+            let deepest = f64::NEG_INFINITY;
+            let limits = Limits { gouge, deepest, bend: -1.0, is_verdict: true };
+            let harmful = dispatch!(Level::new(), simd => {
+                let sweep = Sweep::new(simd, &ball, &tree, &motion, [0.0; 2]);
+                sweep.harmful_children(&tree.nodes[0], limits)
+            });
+            assert_eq!(harmful, 1, "{highest} mm is thought too high, {beside} mm beside");
+            n_met += 1;
+        }
+        assert_eq!(n_met, 1);
+    }
+}

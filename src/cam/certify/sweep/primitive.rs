@@ -5,7 +5,7 @@ use super::plane::Plane;
 use super::smooth::{Course, SHARES, risen};
 use super::{Limits, Sweep};
 use crate::geom::{Lanes, Leaf};
-use crate::tool::HeightFunction;
+use crate::tool::{HeightFunction, Rim};
 use fearless_simd::{f32x16, prelude::*};
 
 /// Planes touch nearly at the rim, where steep walls are met.
@@ -31,19 +31,17 @@ impl<H: HeightFunction, S: Simd, const N: usize> Sweep<'_, H, S, N> {
 
     /// The same for pieces.
     #[inline(always)]
-    pub(super) fn harmful_pieces(&self, pieces: &[Run<Lanes>; N], limits: Limits) -> (Lanes, u64) {
-        let zero = f32x16::splat(self.simd, 0.0);
-        let mut corners = [[[zero; 3]; 3]; N];
-        let mut farthest = zero;
-        for (corner, of_pieces) in corners.iter_mut().zip(pieces) {
-            for i in 0..3 {
-                corner[i] = load(self.simd, &of_pieces[i]);
-            }
-            let [x, y, z] = corner[0];
+    pub(super) fn harmful_pieces(
+        &self,
+        pieces: &[Run<f32x16<S>>; N],
+        limits: Limits,
+    ) -> (Lanes, u64) {
+        let mut farthest = f32x16::splat(self.simd, 0.0);
+        for [[x, y, z], ..] in pieces {
             farthest = farthest.max(x.abs()).max(y.abs()).max(z.abs());
         }
         let rounding = farthest.mul_add(16.0 * f32::EPSILON, self.fine_rounding);
-        self.harmful(&corners, rounding, limits)
+        self.harmful(pieces, rounding, limits)
     }
 
     #[inline(always)]
@@ -101,6 +99,12 @@ impl<H: HeightFunction, S: Simd, const N: usize> Sweep<'_, H, S, N> {
         let [contact, there] = self.likely_contact(&first, &middle, corners);
         let second = self.plane_over(contact, there, SHARE);
         let height = height.min(self.highest_corner(second.slope, corners, rounding));
+        let left = left & height.simd_gt(limits.gouge as f32);
+        let Some(rim) = self.tool.rim().filter(|_| left.to_bitmask() != 0) else {
+            return (*height, left.to_bitmask());
+        };
+        let over_rim = rim_slope(rim, &middle[0], corners, limits.gouge as f32);
+        let height = height.min(self.highest_corner(over_rim, corners, rounding));
         (*height, (left & height.simd_gt(limits.gouge as f32)).to_bitmask())
     }
 
@@ -139,6 +143,45 @@ impl<H: HeightFunction, S: Simd, const N: usize> Sweep<'_, H, S, N> {
         }
         contact
     }
+}
+
+/// The slope of planes over the rim that lets no corner come higher than `allowed` at either end of
+/// the move, if there is one.
+///
+/// Over the rim lie planes of any slope outwards. The steeper, the higher they stand over what lies
+/// inside, and the lower over what lies outside: each corner bounds the slope from one side.
+#[inline(always)]
+fn rim_slope<S: Simd, const N: usize>(
+    rim: Rim,
+    [x, _, z]: &Vectors<S>,
+    corners: &[Run<f32x16<S>>; N],
+    allowed: f32,
+) -> [f32x16<S>; 2] {
+    let per_rho = (*x * *x + *z * *z).sqrt().max(TINY);
+    let (out_x, out_z) = (*x / per_rho, *z / per_rho);
+    let (radius, height) = (rim.radius as f32, rim.height as f32 - allowed);
+    let mut least = *x * 0.0;
+    let mut most = least + STEEPEST;
+    for [place, velocity, acceleration] in corners {
+        for time in [-0.5, 0.5] {
+            let at = |axis: usize| {
+                let turned = acceleration[axis].mul_add(0.5 * time, velocity[axis]);
+                turned.mul_add(time, place[axis])
+            };
+            let inside = -(at(0).mul_add(out_x, at(2) * out_z)) + radius;
+            let is_inside = inside.simd_gt(0.0);
+            // On the rim itself any slope, but a number, is as good.
+            let inside = is_inside.select(inside.max(TINY), inside.min(-TINY));
+            let slope = -(at(1) + height) / inside;
+            most = is_inside.select(most.min(slope), most);
+            least = is_inside.select(least, least.max(slope));
+        }
+    }
+    // Halfway, but not much steeper than need be: roundings count per unit of slope.
+    let least = least.min(STEEPEST);
+    let steepness = (least + most.min(least + 1.0)) * 0.5;
+    let steepness = steepness.max(0.0);
+    [-steepness * out_x, -steepness * out_z]
 }
 
 /// The slope of the planes that triangles lie level under in the middle of the move: one that touches
