@@ -12,7 +12,6 @@ use crate::cam::{
 use crate::gcode::Dialect;
 use crate::machine::{AxisValues, Machine};
 use crate::progress::{Cancelled, Progress};
-use crate::tool::Cutter;
 
 /// The deepest gouge unless told otherwise [mm].
 const TOLERANCE: f64 = 0.01;
@@ -27,17 +26,13 @@ pub(super) struct Proof {
 }
 
 impl Proof {
-    /// What `options` ask for. A wheel is certified unless they do without; other tools, which take
-    /// far longer, only where they ask for it.
+    /// What `options` ask for: a proof, unless they do without.
     pub(super) fn asked(
         options: &CamOptions,
         machine: &Machine,
         dialect: &Dialect,
-        cutter: &Cutter,
     ) -> Result<Option<Self>, OptionsError> {
-        let is_asked = options.tolerance.is_some() || options.min_step.is_some() || options.thin;
-        let is_usual = matches!(cutter, Cutter::Wheel(_));
-        if options.no_certify || !(is_asked || is_usual) {
+        if options.no_certify {
             return Ok(None);
         }
         let decimal = |decimals: u8| 10_f64.powi(-i32::from(decimals));

@@ -21,7 +21,7 @@ pub(super) fn finishing(job: Job, progress: &dyn Progress) -> Result<Operation, 
     let ground = Ground::new(job)?;
     let (machine, options) = (ground.machine(), ground.options);
     let way = ground.way(progress)?;
-    let proof = Proof::asked(options, machine, dialect, &ground.cutter)?;
+    let proof = Proof::asked(options, machine, dialect)?;
     let words = |i: usize| certified::words(proof.as_ref(), machine, &way, i);
     let pose = |i: usize| machine.attack_from_part(&words(i));
     let contacts = ground.contacts(way.n_positions(), pose, progress)?;

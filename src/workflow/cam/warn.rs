@@ -32,8 +32,8 @@ impl CamReport {
                 .into());
         }
         if self.certificate.is_none() && self.work != Work::Rough {
-            say("not certified: between positions the tool may cut into the part; --tolerance proves \
-                 how deep"
+            say("not certified: between positions the tool may cut into the part; leave out \
+                 --no-certify, and how deep is proved"
                 .into());
         }
         if let Some(left) = self.certificate.as_ref().and_then(left_by_lifts) {

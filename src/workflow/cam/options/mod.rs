@@ -123,8 +123,7 @@ pub struct CamOptions {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub off_part: Option<OffPart>,
     /// The deepest gouge allowed anywhere on the path, between positions too; steps are put in until
-    /// that is proved [mm; default: 0.01 for a wheel; with other tools, for which it takes long,
-    /// nothing is proved unless this is given].
+    /// that is proved [mm; default: 0.01].
     #[arg(long, value_name = "MM")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
