@@ -4,7 +4,7 @@ use super::Shell;
 use super::cam::Outputs;
 use super::simulated::{Cutting, Told, Trial};
 use super::table::listed;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use horma::cam::{Block, Centre};
 use horma::geom::Surface;
@@ -12,7 +12,6 @@ use horma::geom::shapes::{LastParameters, last};
 use horma::io::report::cam_summary;
 use horma::io::{self, OutputSet, Overwrite};
 use horma::workflow::cam::{CamOptions, Job, plan, rough};
-use horma::workflow::verify::RawBlock;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -85,25 +84,16 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
         options: &options,
         resolution: RESOLUTION,
     };
-    let trial = |name: &str, plan, block| Trial {
-        name: name.to_owned(),
-        plan,
-        tools: vec![tool.clone()],
-        block,
-    };
-    let bar_of_wood = RawBlock::Body(bar_of_wood);
-    let rough_cut = cutting.run(trial("rough.ngc", &roughed, bar_of_wood), &bar)?;
-    let left = match &rough_cut {
-        Ok(left) => RawBlock::Left(Box::new(left.stock.clone())),
-        Err(_) => RawBlock::Grown(LEFT),
-    };
-    let cut = cutting.run(trial("last.ngc", &planned, left), &bar)?;
-    rough_outputs.add_to(&mut files, &roughed, Some(&rough_cut))?;
-    outputs.add_to(&mut files, &planned, Some(&cut))?;
+    let trial = |name: &str, plan| Trial { name: name.to_owned(), plan, tools: vec![tool.clone()] };
+    let trials = vec![trial("rough.ngc", &roughed), trial("last.ngc", &planned)];
+    let tried = cutting.run(trials, Some(&bar_of_wood), &bar)?;
+    let [rough_cut, cut] = &tried[..] else { bail!("two programs were cut") };
+    rough_outputs.add_to(&mut files, &roughed, Some(rough_cut))?;
+    outputs.add_to(&mut files, &planned, Some(cut))?;
     bar.stop_if_asked()?;
     files.commit()?;
     drop(bar);
-    let finish = Told::new(&planned, Some(&cut));
+    let finish = Told::new(&planned, Some(cut));
     let part = part.display();
     let mut written = vec![part.to_string()];
     written.extend(rough_outputs.told(&roughed));
@@ -120,6 +110,6 @@ pub(crate) fn run(args: &DemoArgs, shell: &Shell) -> anyhow::Result<()> {
         listed("wrote", &written),
         listed("next", &next),
     );
-    let rough = Told::new(&roughed, Some(&rough_cut));
+    let rough = Told::new(&roughed, Some(rough_cut));
     shell.report(&DemoReport { rough, finish }, &text)
 }

@@ -1,11 +1,13 @@
 //! A program just made, cut in simulation for its own report.
 
 use anyhow::Context;
+use horma::cam::Block;
 use horma::gcode::{self, Dialect};
 use horma::geom::Surface;
 use horma::io::report::verify_summary;
 use horma::machine::Machine;
 use horma::progress::Progress;
+use horma::stock::Stock;
 use horma::tool::Tool;
 use horma::workflow::cam::{CamOptions, CamReport, Plan};
 use horma::workflow::verify::{RawBlock, Verified, VerifyJob, VerifyOptions, VerifyReport, verify};
@@ -30,17 +32,49 @@ pub(super) struct Trial<'a> {
     pub(super) name: String,
     pub(super) plan: &'a Plan,
     pub(super) tools: Vec<Tool>,
-    pub(super) block: RawBlock,
 }
 
 /// What came of a simulation: what it found, or why it could not be.
 pub(super) type Tried = Result<Verified, String>;
 
 impl Cutting<'_> {
-    /// Reads the program back and runs it on its block. That it cannot be simulated is told, and
-    /// spoils nothing that was made before.
-    pub(super) fn run(&self, trial: Trial, progress: &dyn Progress) -> anyhow::Result<Tried> {
-        let Trial { name, plan, tools, block } = trial;
+    /// Cuts one program after the other: the first from its block as it came out, else from `asked`
+    /// or the part with the stock that is assumed on it, and then from what the one before left.
+    /// That one cannot be simulated is told, and spoils nothing that was made before.
+    pub(super) fn run(
+        &self,
+        trials: Vec<Trial>,
+        asked: Option<&Block>,
+        progress: &dyn Progress,
+    ) -> anyhow::Result<Vec<Tried>> {
+        let mut left: Result<Option<Stock>, String> = Ok(None);
+        let mut all = Vec::new();
+        for trial in trials {
+            let tried = match left {
+                Ok(Some(stock)) => self.try_on(trial, RawBlock::Left(Box::new(stock)), progress)?,
+                Ok(None) => {
+                    let block = block_of(trial.plan, asked)?;
+                    self.try_on(trial, block, progress)?
+                }
+                Err(why) => Err(why),
+            };
+            left = match &tried {
+                Ok(found) => Ok(Some(found.stock.clone())),
+                Err(why) => Err(format!("nobody knows what the program before it left ({why})")),
+            };
+            all.push(tried);
+        }
+        Ok(all)
+    }
+
+    /// Reads a program back and runs it on its block.
+    fn try_on(
+        &self,
+        trial: Trial,
+        block: RawBlock,
+        progress: &dyn Progress,
+    ) -> anyhow::Result<Tried> {
+        let Trial { name, plan, tools } = trial;
         let context = format!("while cutting {name} in simulation");
         let program = gcode::read(&mut plan.text.as_slice(), self.machine, self.dialect)?;
         let job = VerifyJob {
@@ -60,6 +94,15 @@ impl Cutting<'_> {
             tried => Ok(tried.map_err(|problem| problem.to_string())),
         }
     }
+}
+
+fn block_of(plan: &Plan, asked: Option<&Block>) -> anyhow::Result<RawBlock> {
+    let shape = plan.report.rough.as_ref().and_then(|rough| rough.shape.as_deref());
+    Ok(match (shape, asked) {
+        (Some(shape), _) => RawBlock::Body(shape.parse()?),
+        (None, Some(body)) => RawBlock::Body(body.clone()),
+        (None, None) => RawBlock::Grown(plan.report.stock),
+    })
 }
 
 /// What a job tells programs: its report, with what the simulation found, if there was one.

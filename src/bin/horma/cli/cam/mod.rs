@@ -6,18 +6,15 @@ mod outputs;
 pub(super) use outputs::Outputs;
 
 use super::Shell;
-use super::simulated::{Cutting, Told, Trial, Tried};
+use super::simulated::{Told, Trial, Tried};
 use super::table::listed;
 use anyhow::bail;
 use clap::Args;
-use horma::cam::Block;
 use horma::geom::LengthUnit;
 use horma::io::report::cam_summary;
 use horma::io::{self, OutputSet, Reading};
-use horma::progress::Progress;
 use horma::tool::Tool;
 use horma::workflow::cam::{CamOptions, Plan};
-use horma::workflow::verify::RawBlock;
 use order::Order;
 use std::path::{Path, PathBuf};
 
@@ -98,7 +95,11 @@ pub(crate) fn run_for(aim: Aim, args: &CamArgs, shell: &Shell) -> anyhow::Result
         .map(|((outputs, plan), tools)| Written { outputs, plan, tools, tried: None })
         .collect();
     if let Some(cutting) = &cutting {
-        verify(&mut programs, cutting, order.block.as_ref(), &bar)?;
+        let trials = programs.iter().map(Written::trial).collect();
+        let tried = cutting.run(trials, order.block.as_ref(), &bar)?;
+        for (program, tried) in programs.iter_mut().zip(tried) {
+            program.tried = Some(tried);
+        }
     }
     let mut files = OutputSet::new(order.overwrite);
     for Written { outputs, plan, tried, .. } in &programs {
@@ -123,31 +124,10 @@ struct Written<'a> {
     tried: Option<Tried>,
 }
 
-/// Cuts one program after the other in simulation: from `block`, or from the part with the stock
-/// that is assumed all over, and then from what the one before left.
-fn verify(
-    programs: &mut [Written],
-    cutting: &Cutting,
-    block: Option<&Block>,
-    progress: &dyn Progress,
-) -> anyhow::Result<()> {
-    let mut left: Result<_, String> = Ok(block.map(|block| RawBlock::Body(block.clone())));
-    for Written { outputs, plan, tools, tried } in programs {
-        let found = match left {
-            Ok(block) => {
-                let block = block.unwrap_or(RawBlock::Grown(plan.report.stock));
-                let trial = Trial { name: outputs.name(), plan, tools: tools.clone(), block };
-                cutting.run(trial, progress)?
-            }
-            Err(why) => Err(why),
-        };
-        left = match &found {
-            Ok(found) => Ok(Some(RawBlock::Left(Box::new(found.stock.clone())))),
-            Err(why) => Err(format!("nobody knows what the program before it left ({why})")),
-        };
-        *tried = Some(found);
+impl Written<'_> {
+    fn trial(&self) -> Trial<'_> {
+        Trial { name: self.outputs.name(), plan: &self.plan, tools: self.tools.clone() }
     }
-    Ok(())
 }
 
 /// Tells what was written, and of the first fault the simulation found.
