@@ -9,7 +9,7 @@ use crate::stock::{Stock, StockError, Sweep};
 use crate::tool::{Cutter, Tool};
 
 /// A ray this close to where it ended has been cut to its end [mm].
-const SAME: f64 = 1e-6;
+pub(super) const SAME: f64 = 1e-6;
 
 /// The line of the move that cut `place` of `after`, the surface `program` left of `before`; `None` if
 /// none did: it was so before.

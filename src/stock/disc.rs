@@ -34,12 +34,6 @@ impl Section for Disc {
     }
 
     #[inline(always)]
-    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S> {
-        let [entry, _] = self.meet(simd, rays, f64x8::splat(simd, f64::INFINITY));
-        entry
-    }
-
-    #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, _: f64x8<S>) -> [f64x8<S>; 2] {
         let p = rays.cos * self.centre[0] + rays.sin * self.centre[1];
         let q = p * p - self.k;

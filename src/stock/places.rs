@@ -67,11 +67,7 @@ impl Places {
             0 => Ok(self.from),
             _ if step == self.n_steps => Ok(self.to),
             _ => {
-                let share = step as f64 / self.n_steps as f64;
-                let mut values = sweep.from;
-                for (value, to) in values.iter_mut().zip(&sweep.to) {
-                    *value += (to - *value) * share;
-                }
+                let values = sweep.at(step as f64 / self.n_steps as f64);
                 layout.locate(&Stance::at(machine, &values))
             }
         }

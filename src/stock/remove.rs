@@ -36,6 +36,16 @@ pub struct Sweep {
     pub engages: bool,
 }
 
+impl Sweep {
+    /// The words after a share of the move; those of its ends exactly.
+    pub fn at(&self, share: f64) -> AxisValues {
+        if share == 1.0 {
+            return self.to;
+        }
+        std::array::from_fn(|axis| self.from[axis] + (self.to[axis] - self.from[axis]) * share)
+    }
+}
+
 impl Stock {
     /// Takes away what `cutter` sweeps over, move by move; what each took.
     ///

@@ -36,7 +36,7 @@ pub(super) struct Row<'a> {
 
 impl Cut {
     /// Both together.
-    pub(super) fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.removed += other.removed;
         self.depth = self.depth.max(other.depth);
         self.n_overhangs += other.n_overhangs;

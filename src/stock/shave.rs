@@ -58,7 +58,11 @@ pub(super) trait Section: Copy {
     fn nearest(&self) -> Option<[f64; 2]>;
     /// No ray enters it before this; infinite where they pass it by. The bound is itself where rays
     /// enter some convex region, with the same place nearest to the axis.
-    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S>;
+    #[inline(always)]
+    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S> {
+        let [entry, _] = self.meet(simd, rays, f64x8::splat(simd, f64::INFINITY));
+        entry
+    }
     /// Where rays that end at `ends` enter and leave it; infinite where they pass it by, or end
     /// before it. They enter a section that holds the axis where they begin.
     fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, ends: f64x8<S>) -> [f64x8<S>; 2];
@@ -101,6 +105,14 @@ struct Sums<S: Simd> {
     removed: f64x8<S>,
     depth: f64x8<S>,
     n_overhangs: u32,
+}
+
+/// Where rays enter and leave two regions that are convex together, by where they do each.
+#[inline(always)]
+pub(super) fn joined<S: Simd>(simd: S, [a, b]: [[f64x8<S>; 2]; 2]) -> [f64x8<S>; 2] {
+    let zero = f64x8::splat(simd, 0.0);
+    let exit_of = |met: [f64x8<S>; 2]| met[0].simd_lt(f64::INFINITY).select(met[1], zero);
+    [a[0].min(b[0]), exit_of(a).max(exit_of(b))]
 }
 
 impl<B: Blade> Placed<B> {

@@ -68,12 +68,6 @@ impl Section for Strip {
     }
 
     #[inline(always)]
-    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S> {
-        let [entry, _] = self.meet(simd, rays, f64x8::splat(simd, f64::INFINITY));
-        entry
-    }
-
-    #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, _: f64x8<S>) -> [f64x8<S>; 2] {
         let splat = |value: f64| f64x8::splat(simd, value);
         let Rays { cos, sin } = self.seen(rays);

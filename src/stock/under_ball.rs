@@ -3,7 +3,7 @@
 
 use super::disc::Disc;
 use super::layout::At;
-use super::shave::{Blade, Borders, Rays, Section};
+use super::shave::{Blade, Borders, Rays, Section, joined};
 use super::strip::Strip;
 use fearless_simd::{f64x8, prelude::*};
 
@@ -44,17 +44,8 @@ impl Section for BallSection {
     }
 
     #[inline(always)]
-    fn bound<S: Simd>(&self, simd: S, rays: &Rays<S>) -> f64x8<S> {
-        let [entry, _] = self.meet(simd, rays, f64x8::splat(simd, f64::INFINITY));
-        entry
-    }
-
-    #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, rays: &Rays<S>, ends: f64x8<S>) -> [f64x8<S>; 2] {
-        let zero = f64x8::splat(simd, 0.0);
-        let exit_of = |met: [f64x8<S>; 2]| met[0].simd_lt(f64::INFINITY).select(met[1], zero);
-        let (disc, shank) = (self.disc.meet(simd, rays, ends), self.shank.meet(simd, rays, ends));
-        [disc[0].min(shank[0]), exit_of(disc).max(exit_of(shank))]
+        joined(simd, [self.disc.meet(simd, rays, ends), self.shank.meet(simd, rays, ends)])
     }
 
     /// Where both borders enter below the ball's centre, all between them does.

@@ -9,7 +9,7 @@
 
 use super::disc::Disc;
 use super::layout::At;
-use super::shave::{Blade, Borders, Rays, Section};
+use super::shave::{Blade, Borders, Rays, Section, joined};
 use super::strip::Strip;
 use super::trace::End;
 use super::under_mill::positive_stretch;
@@ -166,13 +166,7 @@ impl Section for LeaningSection {
         let tube = self.tube.meet(simd, &seen);
         match &self.tip {
             Tip::Flat | Tip::Ball(None) => tube,
-            Tip::Ball(Some(disc)) => {
-                let zero = f64x8::splat(simd, 0.0);
-                let exit_of =
-                    |met: [f64x8<S>; 2]| met[0].simd_lt(f64::INFINITY).select(met[1], zero);
-                let ball = disc.meet(simd, rays, ends);
-                [ball[0].min(tube[0]), exit_of(ball).max(exit_of(tube))]
-            }
+            Tip::Ball(Some(disc)) => joined(simd, [disc.meet(simd, rays, ends), tube]),
             Tip::Other(mill) => {
                 let mut met = [f64x8::splat(simd, f64::INFINITY); 2];
                 let may_be_met = tube[0].simd_lt(ends).to_bitmask();

@@ -228,7 +228,7 @@ fn climb<S: Simd>(slope: [f32x16<S>; 2], side: Vectors<S>) -> f32x16<S> {
 /// Where `climb < bend` that is `bend / 2` times the square of `climb / bend`, and a square lies
 /// below its chords: here those between quarters, which spare a division. Else it is the value at 1.
 #[inline(always)]
-fn highest_rise<S: Simd>(climb: f32x16<S>, bend: f32x16<S>) -> f32x16<S> {
+pub(in crate::cam) fn highest_rise<S: Simd>(climb: f32x16<S>, bend: f32x16<S>) -> f32x16<S> {
     let first = climb * 0.125;
     let second = climb.mul_add(0.375, bend * -0.0625);
     let third = climb.mul_add(0.625, bend * -0.1875);

@@ -18,6 +18,7 @@ mod part;
 mod touch;
 mod view;
 
+pub(super) use bound::highest_rise;
 pub(super) use indexed::{Memory, drop as drop_indexed};
 pub use part::Part;
 pub(super) use part::{Found, Tree};

@@ -5,7 +5,7 @@
 //! *before all of them* are clear for good. Only where some would not be are they halved, down to
 //! the piece that touches.
 
-use crate::machine::{AxisKind, AxisValues, Machine};
+use crate::machine::{AxisKind, Machine};
 use crate::progress::{Progress, Silent};
 use crate::stock::{Crests, Cut, Stance, Stock, StockError, Sweep};
 use crate::tool::{Cutter, Cylinder};
@@ -127,11 +127,7 @@ impl Watch<'_> {
         // Pieces are not what the progress counts.
         let cuts = self.stock.remove(self.tool.machine, self.tool.cutter, &sweeps, &Silent)?;
         for (piece, cut) in pieces.iter().zip(cuts) {
-            let whole = &mut self.cuts[piece.i_sweep];
-            whole.removed += cut.removed;
-            whole.depth = whole.depth.max(cut.depth);
-            whole.n_overhangs += cut.n_overhangs;
-            whole.is_through |= cut.is_through;
+            self.cuts[piece.i_sweep].add(&cut);
         }
         let n_moves = pieces.iter().filter(|piece| piece.is_last).count();
         Ok(self.progress.advance(n_moves as u64)?)
@@ -151,16 +147,10 @@ pub(super) fn pieces(
     };
     let way: f64 = machine.axes.iter().enumerate().map(way).sum();
     let n = (way / STRIDE).ceil().clamp(1.0, MOST_PIECES) as usize;
-    let Sweep { from, to, engages } = *sweep;
-    let place = move |i: usize| -> AxisValues {
-        if i == n {
-            return to;
-        }
-        let share = i as f64 / n as f64;
-        std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * share)
-    };
+    let whole = *sweep;
+    let place = move |i: usize| whole.at(i as f64 / n as f64);
     (0..n).map(move |i| Piece {
-        sweep: Sweep { from: place(i), to: place(i + 1), engages: engages && i == 0 },
+        sweep: Sweep { from: place(i), to: place(i + 1), engages: whole.engages && i == 0 },
         i_sweep,
         is_last: i + 1 == n,
     })

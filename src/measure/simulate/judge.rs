@@ -7,7 +7,7 @@ use super::report::{CheckedBody, Collision, CollisionKind, Extreme, SimulationRe
 use super::{Blank, SimulateError, Simulation};
 use crate::machine::Machine;
 use crate::measure::Spot;
-use crate::measure::blame::first_to_cut;
+use crate::measure::blame::{SAME, first_to_cut};
 use crate::measure::ridge::ridge_error;
 use crate::progress::Progress;
 use crate::stock::{Cut, Layer, Stock, StockError, Sweep};
@@ -19,8 +19,6 @@ use std::ops::Range;
 const AIR: f64 = 0.01;
 /// A rapid this deep in the material is a collision: what is less, rounding explains [mm].
 const TOUCH: f64 = 0.01;
-/// A ray this close to where it ended has been cut to its end [mm].
-const SAME: f64 = 1e-6;
 /// After so many collisions of bodies nobody looks any more: such a program must not run.
 const MOST_BODY_COLLISIONS: usize = 100;
 

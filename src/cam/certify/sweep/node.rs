@@ -4,6 +4,7 @@ use super::frame::{climb, load};
 use super::plane::highest_on_move;
 use super::smooth::{Course, SHARES_OVER_NODES, risen};
 use super::{Limits, Sweep};
+use crate::cam::digitize::highest_rise;
 use crate::geom::Node;
 use crate::tool::HeightFunction;
 use fearless_simd::{f32x16, prelude::*};
@@ -84,18 +85,6 @@ impl<H: HeightFunction, S: Simd, const N: usize> Sweep<'_, H, S, N> {
         let height = (steep[0] + steep[1] + bent + 1.0).mul_add(self.rounding, height);
         (is_harmful & !height.simd_le(limits.gouge as f32)).to_bitmask()
     }
-}
-
-/// At least the greatest value of `climb s - bend s^2 / 2` on `0 <= s <= 1`: the chords of the square
-/// that it is where it bends down, which spare a division; else the value at 1.
-#[inline(always)]
-fn highest_rise<S: Simd>(climb: f32x16<S>, bend: f32x16<S>) -> f32x16<S> {
-    let first = climb * 0.125;
-    let second = climb.mul_add(0.375, bend * -0.0625);
-    let third = climb.mul_add(0.625, bend * -0.1875);
-    let fourth = climb.mul_add(0.875, bend * -0.375);
-    let at_one = bend.mul_add(-0.5, climb);
-    first.max(second).max(third).max(fourth).max(at_one)
 }
 
 #[cfg(test)]
