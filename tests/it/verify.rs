@@ -130,6 +130,29 @@ fn a_rapid_through_material_is_a_collision_with_its_line() {
 }
 
 #[test]
+fn a_stub_cut_through_is_a_collision_and_a_free_end_faced_is_none() {
+    // Past the bar's end the wheel sinks below the axis, and the bar turns once.
+    let faced = |machine: &str, x: f64| {
+        let text = format!(
+            "G21 G90 G94\nG0 Y140\nG0 X{x} A0\nS6000 M4\nG1 Y69 F1000\nG1 A360\nG0 Y140\nM2\n"
+        );
+        let on = Machine::builtin(machine).unwrap();
+        let program = read(&mut text.as_bytes(), &on, &linuxcnc()).unwrap();
+        let block = RawBlock::Grown(3.0);
+        verified_on((machine, &wheel()), &round_bar(), &program, block, 0.5).report
+    };
+    let held = faced("last-lathe", 14.0);
+    let across = |kind| kind == CollisionKind::AcrossAxis;
+    let collision = held.simulation.collisions.iter().find(|c| across(c.kind)).unwrap();
+    assert_eq!(collision.line, 6);
+    assert!(collision.in_words().contains("in two"));
+    // On the cone lathe the bar begins at X 20: its end is free, and the stock past it is faced.
+    let free = faced("last-lathe-cone", 8.0);
+    assert!(free.simulation.removed > 1000.0, "{}", free.simulation.removed);
+    assert_eq!(free.simulation.collisions, []);
+}
+
+#[test]
 fn a_spindle_too_thick_for_its_wheel_collides_as_deep_as_the_stock_stands_then() {
     let program = rings(2.0, |_| 0.0);
     let with = |side| {

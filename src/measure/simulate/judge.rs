@@ -5,7 +5,7 @@ use super::fixtures::{Fixtures, Touch};
 use super::moves::{Batch, Fact};
 use super::report::{CheckedBody, Collision, CollisionKind, Extreme, SimulationReport};
 use super::{Blank, SimulateError, Simulation};
-use crate::machine::Machine;
+use crate::machine::{Clamping, Machine};
 use crate::measure::Spot;
 use crate::measure::blame::{SAME, first_to_cut};
 use crate::measure::ridge::ridge_error;
@@ -166,9 +166,10 @@ impl<'a> Judge<'a> {
         let report = &mut self.report;
         report.removed += cut.removed;
         report.n_overhanging += usize::from(cut.n_overhangs > 0);
-        // The free end of what stands on a turntable may be faced; into the part it is a gouge.
-        if cut.is_through && !self.stock.layout().is_on_turntable() {
-            let is_turned = self.stock.layout().is_turned();
+        let is_turned = self.stock.layout().is_turned();
+        // Ends that nothing holds may be faced; into the part it is a gouge.
+        let is_free = is_turned && !matches!(self.machine.clamping, Clamping::Nibs { .. });
+        if cut.is_through && !is_free {
             let kind =
                 if is_turned { CollisionKind::AcrossAxis } else { CollisionKind::BelowBlock };
             report.collide(Collision { line: fact.line, kind, by: None, depth: cut.depth });
