@@ -153,6 +153,10 @@ impl Gpu {
         let invalid = pollster::block_on(valid.pop());
         let internal = pollster::block_on(internal.pop());
         let no_room = pollster::block_on(room.pop());
+        if invalid.is_some() || internal.is_some() {
+            // A lost device is told of when it is next asked; whether it answers does not matter.
+            let _ = self.device.poll(wgpu::PollType::Poll);
+        }
         self.still_there()?;
         if no_room.is_some() {
             return Err(GpuError::OutOfMemory { adapter: self.name.clone(), n_bytes });
@@ -186,5 +190,64 @@ impl Gpu {
 impl fmt::Debug for Gpu {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.debug_tuple("Gpu").field(&self.name).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Doubles what is bound.
+    const DOUBLE: &str = "
+        @group(0) @binding(0) var<storage, read_write> numbers: array<real>;
+        @compute @workgroup_size(WORKGROUP)
+        fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+            numbers[id.x] = numbers[id.x] * real(2);
+        }";
+
+    fn device() -> Option<Gpu> {
+        match Gpu::open(None) {
+            Ok(gpu) => Some(gpu),
+            Err(error) if std::env::var_os("HORMA_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => {
+                eprintln!("skipped: {error}");
+                None
+            }
+        }
+    }
+
+    fn kernel(text: &'static str) -> Kernel {
+        Kernel { name: "double", parts: vec![text], precision: Precision::Single, workgroup: 4 }
+    }
+
+    #[test]
+    fn numbers_go_to_the_device_and_come_back_changed_by_a_kernel_compiled_once() {
+        let Some(gpu) = device() else { return };
+        let numbers =
+            gpu.upload("numbers", &[1.0_f32, 2.5, -3.0, 0.0, 7.0, 8.0, 9.0, 1e30]).unwrap();
+        for _ in 0..2 {
+            gpu.run(&kernel(DOUBLE), &[&numbers], 2).unwrap();
+        }
+        let doubled: Vec<f32> = gpu.download("numbers", &numbers).unwrap();
+        assert_eq!(doubled, [4.0, 10.0, -12.0, 0.0, 28.0, 32.0, 36.0, 4e30]);
+        assert_eq!(gpu.pipelines.lock().unwrap().len(), 1);
+    }
+
+    #[test]
+    fn a_kernel_that_makes_no_sense_is_an_error_that_names_it() {
+        let Some(gpu) = device() else { return };
+        let error = gpu.run(&kernel("fn main() -> nonsense {}"), &[], 1).unwrap_err();
+        let GpuError::Refuses { what, why, .. } = &error else { panic!("{error}") };
+        assert!(what == "double" && why.contains("nonsense"), "{error}");
+    }
+
+    #[test]
+    fn a_lost_device_is_an_error_that_says_what_to_do() {
+        let Some(gpu) = device() else { return };
+        let numbers = gpu.upload("numbers", &[1.0_f32; 4]).unwrap();
+        gpu.device.destroy();
+        let error = gpu.run(&kernel(DOUBLE), &[&numbers], 1).unwrap_err();
+        assert!(matches!(error, GpuError::Lost { .. }), "{error}");
+        assert!(error.to_string().contains("--compute cpu"), "{error}");
     }
 }
