@@ -1,7 +1,8 @@
 // Every primitive is tried at every step. Morell (2014), section 4.4, algorithm 4.
 //
 // One thread for each step; primitives go through the workgroup's memory a tile at a time, so that
-// they are read once for all steps of a group. Twin: src/cam/digitize/exhaustive.rs.
+// they are read once for all steps of a group. A tile is looked through for its highest bound first,
+// without a branch, and hardly ever once more. Twin: src/cam/digitize/exhaustive.rs.
 
 var<workgroup> tile: array<Primitive, WORKGROUP>;
 
@@ -21,12 +22,15 @@ fn main(
             tile[lane] = primitives[start + lane];
         }
         workgroupBarrier();
-        if (is_there) {
-            for (var i = 0u; i < n_primitives; i += 1u) {
-                let bounds = bounds_of(step, tile[i]);
-                if (best <= bounds.upper) {
-                    offer(i_step, job.first + start + i, bounds);
-                }
+        var top = NONE;
+        for (var i = 0u; i < n_primitives; i += 1u) {
+            top = max(top, upper_of(step, tile[i]));
+        }
+        let n_again = select(0u, n_primitives, is_there && best <= top);
+        for (var i = 0u; i < n_again; i += 1u) {
+            let bounds = bounds_of(step, tile[i]);
+            if (best <= bounds.upper) {
+                offer(i_step, job.first + start + i, bounds);
             }
         }
     }

@@ -14,18 +14,30 @@ alias Primitive = Triangle;
 
 @group(0) @binding(2) var<storage, read> primitives: array<Primitive>;
 
-fn bounds_of(step: Step, triangle: Primitive) -> Bounds {
+// A first bound, soon told.
+fn upper_of(step: Step, triangle: Primitive) -> real {
     let a = seen(step, triangle.a.xyz);
     let b = seen(step, triangle.b.xyz);
     let c = seen(step, triangle.c.xyz);
+    let middle = (a + b + c) * (real(1) / real(3));
+    let upper = highest_corner(step, tangent(middle.x, middle.z), a, b, c);
+    return select(upper, NONE, is_beside(step, a, b, c));
+}
+
+// Does the tool pass it by?
+fn is_beside(step: Step, a: vec3<real>, b: vec3<real>, c: vec3<real>) -> bool {
     let lowest = min(a, min(b, c));
     let highest = max(a, max(b, c));
     let x = tool.reach_x + step.across;
     let z = tool.reach_z + step.across;
-    if (x < lowest.x || highest.x < -x || z < lowest.z || highest.z < -z) {
-        return PASSED_BY;
-    }
-    if (highest.y + tool.top + step.along < best) {
+    return x < lowest.x || highest.x < -x || z < lowest.z || highest.z < -z;
+}
+
+fn bounds_of(step: Step, triangle: Primitive) -> Bounds {
+    let a = seen(step, triangle.a.xyz);
+    let b = seen(step, triangle.b.xyz);
+    let c = seen(step, triangle.c.xyz);
+    if (is_beside(step, a, b, c)) {
         return PASSED_BY;
     }
     let middle = (a + b + c) * (real(1) / real(3));
