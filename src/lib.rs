@@ -5,19 +5,21 @@
 //!
 //! 1. [`progress`]: how long work reports and is stopped.
 //! 2. [`geom`]: poses, boxes, clouds, meshes, the search tree.
-//! 3. [`tool`]: what cuts: profiles of revolution and their height functions.
-//! 4. [`machine`]: what moves: axes, limits and clamping as data, and the kinematics they make.
-//! 5. [`stock`]: what is left of the raw block, and whole moves of a tool through it.
-//! 6. [`cam`]: trajectories, virtual digitizing, the toolpath with its feeds.
-//! 7. [`gcode`]: the toolpath as a program of blocks, and back.
-//! 8. [`measure`]: a program replayed on its block, and what is left compared with the part.
-//! 9. [`workflow`]: one pure function per job.
-//! 10. [`io`]: files in and out.
+//! 3. [`compute`]: the processor, or a graphics card.
+//! 4. [`tool`]: what cuts: profiles of revolution and their height functions.
+//! 5. [`machine`]: what moves: axes, limits and clamping as data, and the kinematics they make.
+//! 6. [`stock`]: what is left of the raw block, and whole moves of a tool through it.
+//! 7. [`cam`]: trajectories, virtual digitizing, the toolpath with its feeds.
+//! 8. [`gcode`]: the toolpath as a program of blocks, and back.
+//! 9. [`measure`]: a program replayed on its block, and what is left compared with the part.
+//! 10. [`workflow`]: one pure function per job.
+//! 11. [`io`]: files in and out.
 //!
 //! Inside, lengths are millimetres and angles radians, all `f64`; metres, degrees and seconds per
 //! minute live only in files, flags and reports.
 
 pub mod cam;
+pub mod compute;
 pub mod gcode;
 pub mod geom;
 pub mod io;

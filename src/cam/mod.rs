@@ -20,7 +20,9 @@ pub use certify::{
 };
 pub use clamps::ClampError;
 pub use contour::{Across, ContourOptions, contours};
-pub use digitize::{Contact, ContactKind, Digitizer, Method, Part};
+pub use digitize::{
+    Contact, ContactKind, Device, DigitizeError, Digitized, Digitizer, Method, Part,
+};
 pub use fit::{FitError, clear_word, room_beside, run_along, within};
 pub use reach::{Place, ReachReport, Stand, reach};
 pub use rough::{Cut, RoughError, RoughOptions, Roughing};

@@ -12,29 +12,29 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mill {
     /// The corner arc: around `rho = flat`, the tool's flat radius.
-    corner: Arc,
+    pub(crate) corner: Arc,
     /// The straight flank of a cone, if there is one.
-    flank: Option<Flank>,
+    pub(crate) flank: Option<Flank>,
     /// Where the shadow ends [mm].
-    radius: f64,
+    pub(crate) radius: f64,
 }
 
 /// `u = sqrt(radius^2 - (rho - center)^2) - rise`, level inside `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Arc {
-    center: f64,
-    radius: f64,
-    rise: f64,
+pub(crate) struct Arc {
+    pub(crate) center: f64,
+    pub(crate) radius: f64,
+    pub(crate) rise: f64,
 }
 
 /// `u = at - slope (rho - from)` from where the corner arc ends to where the rim arc begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Flank {
-    slope: f64,
-    from: f64,
-    at: f64,
-    to: f64,
-    rim: Arc,
+pub(crate) struct Flank {
+    pub(crate) slope: f64,
+    pub(crate) from: f64,
+    pub(crate) at: f64,
+    pub(crate) to: f64,
+    pub(crate) rim: Arc,
 }
 
 impl Mill {

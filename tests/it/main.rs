@@ -17,6 +17,8 @@ mod docs;
 mod dropping;
 mod foot_program;
 mod formats;
+mod gpu;
+mod gpu_command;
 mod jobs;
 mod last;
 mod layers;

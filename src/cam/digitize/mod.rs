@@ -8,10 +8,12 @@
 //! reference; [`indexed`] descends a tree from the last contact. The rules that make it so: an edge
 //! is evaluated from its lexicographically smaller end; the greatest height wins, then the lowest
 //! primitive number; in one triangle facet before edge before vertex; bounds are rounded up and only
-//! what is strictly below the best is dropped.
+//! what is strictly below the best is dropped. A third way, [`gpu`], has a device find what may be
+//! touched and the processor decide between that: the same bits again.
 
 mod bound;
 mod exhaustive;
+mod gpu;
 mod indexed;
 mod list;
 mod part;
@@ -19,6 +21,7 @@ mod touch;
 mod view;
 
 pub(super) use bound::highest_rise;
+pub use gpu::{Device, DigitizeError, Digitized};
 pub(super) use indexed::{Memory, drop as drop_indexed};
 pub use part::Part;
 pub(super) use part::{Found, Tree};

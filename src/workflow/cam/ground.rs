@@ -1,5 +1,6 @@
 //! Where a job stands: the part on its machine, and the way of its tool over it.
 
+use super::computing::{ComputeReport, Computing};
 use super::heights::Heights;
 use super::job::{CamError, Job};
 use super::options::{CamOptions, Mode, OptionsError};
@@ -40,6 +41,7 @@ pub(super) struct Ground<'a> {
     /// The attack word at which it is clear of the part and its clamps.
     pub(super) clear: f64,
     part: Part,
+    computing: Computing,
 }
 
 impl<'a> Ground<'a> {
@@ -49,13 +51,26 @@ impl<'a> Ground<'a> {
         options.check()?;
         tool.profile.check()?;
         machine.check_tool(&tool)?;
+        let computing = Computing::asked(options)?;
         let mut setup = set_up(in_mode(surface, options.mode)?, machine, &options.setup()?)?;
         let stand = Stand { machine, rest: held(machine, &options.hold)? };
         let run = run_of(&mut setup, stand, options, &tool.profile)?;
         let cutter = tool.profile.cutter(options.allowance.unwrap_or(0.0));
         let clear = clear_word(&setup, machine, &stand.rest, run.line.as_ref(), cutter.reach())?;
         let part = prepared(&setup.surface);
-        Ok(Self { name, notes, tool, options, keep_scene, setup, run, cutter, clear, part })
+        Ok(Self {
+            name,
+            notes,
+            tool,
+            options,
+            keep_scene,
+            setup,
+            run,
+            cutter,
+            clear,
+            part,
+            computing,
+        })
     }
 
     /// The machine it stands on.
@@ -79,18 +94,20 @@ impl<'a> Ground<'a> {
         Ok(way)
     }
 
-    /// What the tool touches at each of `n_positions`, the part under it as `pose` says.
+    /// What the tool touches at each of `n_positions`, the part under it as `pose` says; and what
+    /// found it.
     pub(super) fn contacts(
         &self,
         n_positions: usize,
         pose: impl Fn(usize) -> Pose + Sync,
         progress: &dyn Progress,
-    ) -> Result<Vec<Option<Contact>>, Cancelled> {
-        let mut contacts = self.digitizer().run(n_positions, pose, progress)?;
+    ) -> Result<(Vec<Option<Contact>>, ComputeReport), CamError> {
+        let (mut contacts, computed) =
+            self.computing.contacts(&self.digitizer(), n_positions, pose, progress)?;
         if self.run.line.is_some() {
             stay_over_part(&mut contacts, self.setup.n_own);
         }
-        Ok(contacts)
+        Ok((contacts, computed))
     }
 
     /// The attack words of all positions, missed ones by their rule.

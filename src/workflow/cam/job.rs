@@ -3,7 +3,8 @@
 use super::options::{CamOptions, OptionsError};
 use super::report::CamReport;
 use super::spacing::SpacingError;
-use crate::cam::{BlockError, FitError, RoughError, SetupError, TrajectoryError};
+use crate::cam::{BlockError, DigitizeError, FitError, RoughError, SetupError, TrajectoryError};
+use crate::compute::GpuError;
 use crate::gcode::{Dialect, PostError, SplitError};
 use crate::geom::{Point3, Surface};
 use crate::machine::{Machine, MachineError};
@@ -141,6 +142,12 @@ pub enum CamError {
         /// The first move that differs.
         i_move: usize,
     },
+    /// The device asked for cannot be used.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// It found no contacts.
+    #[error(transparent)]
+    Digitize(#[from] DigitizeError),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

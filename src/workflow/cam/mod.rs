@@ -2,6 +2,7 @@
 
 mod both;
 mod certified;
+mod computing;
 mod cutting;
 mod ground;
 mod heights;
@@ -17,6 +18,7 @@ mod spacing;
 mod warn;
 
 pub use both::{is_one_program, rough_and_finish};
+pub use computing::ComputeReport;
 pub use job::{CamError, Job, Plan, Scene};
 pub use options::{CamOptions, Mode, OffPart, OptionsError};
 pub use plan::plan;

@@ -24,11 +24,12 @@ pub(super) fn finishing(job: Job, progress: &dyn Progress) -> Result<Operation, 
     let proof = Proof::asked(options, machine, dialect)?;
     let words = |i: usize| certified::words(proof.as_ref(), machine, &way, i);
     let pose = |i: usize| machine.attack_from_part(&words(i));
-    let contacts = ground.contacts(way.n_positions(), pose, progress)?;
+    let (contacts, computed) = ground.contacts(way.n_positions(), pose, progress)?;
     let heights = ground.heights(&contacts, ground.clear)?;
     let (positions, certificate) =
         certified::positions(proof.as_ref(), &ground.digitizer(), &heights, words, progress)?;
     let mut run = RunReport::new(&ground, &way, &heights);
+    run.compute = computed;
     let shown = ground.keep_scene.then(|| (heights.touched(), heights.thinned()));
     // A million positions are 70 MB: gone before the program is made.
     drop(contacts);

@@ -26,7 +26,13 @@ pub(super) fn header(operations: &[Operation], machine: &Machine, options: &CamO
     let reports = || operations.iter().map(|operation| &operation.report);
     // The block as it came out, so that the program can be verified on it.
     let block = reports().find_map(|report| report.rough.as_ref()?.shape.clone());
-    let asked = CamOptions { block: block.or_else(|| options.block.clone()), ..options.clone() };
+    let asked = CamOptions {
+        block: block.or_else(|| options.block.clone()),
+        // Whatever computed it, the program is the same.
+        compute: None,
+        adapter: None,
+        ..options.clone()
+    };
     let asked = serde_json::to_string(&asked).unwrap_or_default();
     let mut lines: Vec<String> = Vec::new();
     lines.extend(reports().take(1).map(|report| format!("part {}", report.part.name)));

@@ -1,6 +1,7 @@
 //! What a job tells about its plan; what people and programs read beside the G-code.
 
 use super::CamOptions;
+use super::computing::ComputeReport;
 use super::ground::Ground;
 use super::heights::Heights;
 use super::spacing::scallop;
@@ -165,6 +166,8 @@ pub struct RunReport {
     pub held: FeedReport,
     /// Greatest change of the attack axis between two positions digitized [mm].
     pub greatest_rise: f64,
+    /// What digitized.
+    pub compute: ComputeReport,
 }
 
 impl PartReport {
@@ -215,6 +218,7 @@ impl RunReport {
             rpm: options.rpm,
             held: FeedReport::default(),
             greatest_rise: heights.greatest_rise(),
+            compute: ComputeReport::default(),
         }
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn roughing(
     let bare = ground.tool.profile.cutter(0.0);
     let way = ground.way(progress)?;
     let pose = |i: usize| machine.attack_from_part(&way.values(i));
-    let contacts = ground.contacts(way.n_positions(), pose, progress)?;
+    let (contacts, computed) = ground.contacts(way.n_positions(), pose, progress)?;
     let block = block.sized(&ground.setup, machine, allowance)?;
     let raw = with_clamps(block.around(&ground.setup, machine, allowance)?, &ground.setup);
     let on_block = Digitizer { part: &Part::triangles(&raw), cutter: bare, ..ground.digitizer() };
@@ -75,6 +75,7 @@ pub(super) fn roughing(
     let held_heights = ground.heights(&contacts, clear)?;
     let mut run = RunReport::new(&ground, &way, &held_heights);
     run.held = feed.clone();
+    run.compute = computed;
     let shown = ground.keep_scene.then(|| (cutting.path(), held_heights.thinned()));
     let rough = RoughReport {
         block: block.to_string(),

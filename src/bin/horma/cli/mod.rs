@@ -5,6 +5,7 @@ mod cam;
 mod check;
 mod convert;
 mod demo;
+mod devices;
 mod dialect;
 mod info;
 mod last;
@@ -67,6 +68,7 @@ enum Command {
     Check(check::CheckArgs),
     Verify(Box<verify::VerifyArgs>),
     Restart(restart::RestartArgs),
+    Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
         after_help = "For example: horma completions bash > ~/.local/share/bash-completion/completions/horma"
@@ -94,6 +96,7 @@ impl Cli {
             Command::Last(args) => last::run(args, &self.shell),
             Command::Machine(args) => machine::run(args, &self.shell),
             Command::Tool(args) => tool::run(args, &self.shell),
+            Command::Devices(args) => devices::run(args, &self.shell),
             Command::Completions { shell } => completions(*shell),
         }
     }

@@ -5,7 +5,7 @@ use super::words::{
 };
 use crate::cam::{Certificate, ReachReport, Strategy};
 use crate::gcode::AxisBounds;
-use crate::workflow::cam::{CamReport, RoughReport, RunReport};
+use crate::workflow::cam::{CamReport, ComputeReport, RoughReport, RunReport};
 use std::fmt::Write as _;
 
 /// What `horma cam` tells people: names left, values right, warnings last, where the eye is.
@@ -28,6 +28,9 @@ pub fn cam_summary(report: &CamReport) -> String {
     let mirrored = if setup.mirrored { ", mirrored" } else { "" };
     lines.add("setup", format!("X {} mm{spindle}{mirrored}", range(setup.part_x)));
     lines.add("run", run(&report.run));
+    if let Some(computed) = computed(&report.run.compute) {
+        lines.add("computed", computed);
+    }
     if let Some(rough) = &report.rough {
         lines.add("rough", self::rough(rough));
         lines.add("rapids", clear(&rough.links));
@@ -100,6 +103,14 @@ fn run(run: &RunReport) -> String {
         let _ = write!(text, ", {} positions meet nothing", count(run.n_missed));
     }
     text
+}
+
+/// Said only where the processor was not the one and only choice.
+fn computed(compute: &ComputeReport) -> Option<String> {
+    match &compute.why {
+        Some(why) => Some(format!("on {}: {why}", compute.on)),
+        None => (compute.on != "cpu").then(|| format!("on {}", compute.on)),
+    }
 }
 
 fn proof(certificate: &Certificate) -> String {

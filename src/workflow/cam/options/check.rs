@@ -1,6 +1,7 @@
 //! Options that mean nothing, or contradict each other.
 
 use super::{CamOptions, OptionsError};
+use crate::compute::ComputeChoice;
 
 impl CamOptions {
     /// Refuses numbers that mean nothing.
@@ -54,6 +55,12 @@ impl CamOptions {
                 "--no-certify leaves nothing for --tolerance, --min-step and --thin to say",
             ));
         }
+        let on_device = matches!(self.compute, Some(ComputeChoice::Gpu | ComputeChoice::Auto));
+        if self.adapter.is_some() && !on_device {
+            return Err(OptionsError::Conflict(
+                "--adapter names a device, and the processor computes unless --compute gpu or auto is given",
+            ));
+        }
         Ok(())
     }
 }
@@ -61,6 +68,16 @@ impl CamOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_device_is_named_only_where_one_is_used() {
+        let named = CamOptions { adapter: Some("llvmpipe".into()), ..Default::default() };
+        let of = |compute| CamOptions { compute, ..named.clone() }.check();
+        for compute in [None, Some(ComputeChoice::Cpu)] {
+            assert!(of(compute).unwrap_err().to_string().contains("--compute gpu"));
+        }
+        assert!(of(Some(ComputeChoice::Gpu)).is_ok() && of(Some(ComputeChoice::Auto)).is_ok());
+    }
 
     #[test]
     fn numbers_that_mean_nothing_are_refused_by_name() {

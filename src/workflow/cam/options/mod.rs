@@ -5,6 +5,7 @@ mod over;
 mod roughing;
 
 use crate::cam::{Centre, Method, SetupError, SetupOptions, SpindleAxis, Strategy};
+use crate::compute::ComputeChoice;
 use crate::gcode::Coolant;
 use serde::{Deserialize, Serialize};
 
@@ -148,6 +149,16 @@ pub struct CamOptions {
     #[arg(long, value_name = "METHOD")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
+    /// What finds the contacts; the program is the same, bit for bit. auto times a small batch on the
+    /// processor and on a device and takes the faster; the report says which [default: cpu].
+    #[arg(long, value_name = "WHAT")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compute: Option<ComputeChoice>,
+    /// The device to compute on, by its name or a part of it (`horma devices`) [default: the first of
+    /// the fastest kind there is].
+    #[arg(long, value_name = "NAME")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapter: Option<String>,
     /// Words of axes the strategy does not drive, such as A=30 on a five-axis mill [mm or deg].
     #[arg(long, value_name = "AXIS=WORD", value_delimiter = ',', allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -41,6 +41,8 @@ impl CamOptions {
             no_certify: self.no_certify || base.no_certify,
             mode: self.mode.or(base.mode),
             method: self.method.or(base.method),
+            compute: self.compute.or(base.compute),
+            adapter: words(&self.adapter, base.adapter),
             hold: if self.hold.is_empty() { base.hold } else { self.hold.clone() },
             dialect: words(&self.dialect, base.dialect),
             corner_tolerance: self.corner_tolerance.or(base.corner_tolerance),

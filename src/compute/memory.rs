@@ -1,0 +1,60 @@
+//! Slices of numbers on their way to a device and back.
+
+use super::{Gpu, GpuError};
+use bytemuck::Pod;
+
+/// Memory of a device that a kernel can bind.
+#[derive(Debug)]
+pub struct Buffer {
+    pub(super) inner: wgpu::Buffer,
+}
+
+impl Gpu {
+    /// A copy of `data` on the device. What is larger than [`Gpu::largest_binding`] is refused:
+    /// send it in pieces.
+    pub fn upload<T: Pod>(&self, what: &str, data: &[T]) -> Result<Buffer, GpuError> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let n_bytes = bytes.len() as u64;
+        if self.largest_binding() < n_bytes {
+            return Err(GpuError::OutOfMemory { adapter: self.name().to_owned(), n_bytes });
+        }
+        let inner = self.checked(what, n_bytes, || {
+            let usage = wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_SRC
+                | wgpu::BufferUsages::COPY_DST;
+            let descriptor = wgpu::BufferDescriptor {
+                label: Some(what),
+                size: n_bytes.max(4),
+                usage,
+                mapped_at_creation: false,
+            };
+            let buffer = self.device.create_buffer(&descriptor);
+            self.queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        })?;
+        Ok(Buffer { inner })
+    }
+
+    /// What `buffer` holds by now.
+    pub fn download<T: Pod>(&self, what: &str, buffer: &Buffer) -> Result<Vec<T>, GpuError> {
+        let n_bytes = buffer.inner.size();
+        let landing = self.checked(what, n_bytes, || {
+            let landing = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(what),
+                size: n_bytes,
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            });
+            let mut encoder =
+                self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(&buffer.inner, 0, &landing, 0, n_bytes);
+            self.queue.submit([encoder.finish()]);
+            landing
+        })?;
+        // What the callback would tell, the mapped range tells too.
+        landing.map_async(wgpu::MapMode::Read, .., |_| ());
+        self.wait(what)?;
+        let bytes = landing.get_mapped_range(..).map_err(|error| self.refuses(what, &error))?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+}
