@@ -10,6 +10,7 @@ const MOST_WAITING = 96u;
 // What waits is a place and, above these bits, how many levels of nodes lie under it.
 const LEVEL_SHIFT = 28u;
 const PLACE = 0x0fffffffu;
+const NO_NUMBER = 0xffffffffu;
 
 // An oriented box: its centre with the radius of the ball that holds it, less than 0 where there is no
 // child, and three half-sides, the last the thin one.
@@ -35,6 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     raise_floor(step);
     visit(step, id.x);
     leave(id.x);
+    finish(id.x);
 }
 
 // Down to the most promising leaf.
@@ -83,11 +85,11 @@ fn visit(step: Step, i_step: u32) {
     var waiting: array<u32, MOST_WAITING>;
     var bounds: array<real, MOST_WAITING>;
     var n_waiting = 0u;
-    for (var i = 0u; i < job.n_roots; i += 1u) {
-        waiting[n_waiting] = job.roots[i] | (job.n_levels << LEVEL_SHIFT);
+    for (; n_waiting < job.n_roots; n_waiting += 1u) {
+        waiting[n_waiting] = job.roots[n_waiting] | (job.n_levels << LEVEL_SHIFT);
         bounds[n_waiting] = -NONE;
-        n_waiting += 1u;
     }
+    expect_end(n_waiting == job.n_roots);
     while (0u < n_waiting) {
         n_waiting -= 1u;
         if (bounds[n_waiting] < best) {
@@ -101,7 +103,8 @@ fn visit(step: Step, i_step: u32) {
         }
         let first = n_waiting;
         var top = first;
-        for (var lane = 0u; lane < WIDTH; lane += 1u) {
+        var lane = 0u;
+        for (; lane < WIDTH; lane += 1u) {
             let bound = bound_of_child(step, children[place * WIDTH + lane]);
             if (best <= bound) {
                 waiting[n_waiting] = links[place * WIDTH + lane] | ((level - 1u) << LEVEL_SHIFT);
@@ -112,6 +115,7 @@ fn visit(step: Step, i_step: u32) {
                 n_waiting += 1u;
             }
         }
+        expect_end(lane == WIDTH);
         if (first < n_waiting) {
             let last = n_waiting - 1u;
             let promising = waiting[top];
@@ -122,21 +126,29 @@ fn visit(step: Step, i_step: u32) {
             bounds[last] = bound;
         }
     }
+    expect_end(n_waiting == 0u);
 }
 
-// Lanes without a primitive repeat others, under a number that is none.
+// Lanes without a primitive repeat others, under a number that is none. All are bounded first: few are
+// worth a second look.
 fn visit_leaf(step: Step, i_step: u32, leaf: u32) {
-    for (var lane = 0u; lane < WIDTH; lane += 1u) {
-        let slot = leaf * WIDTH + lane;
+    var worth = 0u;
+    var lane = 0u;
+    for (; lane < WIDTH; lane += 1u) {
+        let upper = upper_of(step, primitives[leaf * WIDTH + lane]);
+        worth |= select(0u, 1u << lane, best <= upper);
+    }
+    expect_end(lane == WIDTH);
+    while (worth != 0u) {
+        let slot = leaf * WIDTH + firstTrailingBit(worth);
+        worth &= worth - 1u;
         let number = links[job.numbers_at + slot];
-        if (number == 0xffffffffu) {
-            return;
-        }
         let bounds = bounds_of(step, primitives[slot]);
-        if (best <= bounds.upper) {
+        if (number != NO_NUMBER && best <= bounds.upper) {
             offer(i_step, number, bounds);
         }
     }
+    expect_end(worth == 0u);
 }
 
 // No primitive in the box holds the tool higher; NONE if it passes all of them by. By the tangent plane

@@ -2,9 +2,7 @@
 
 struct Job {
     n_steps: u32,
-    // The number of the first primitive that is bound.
-    first: u32,
-    // Of those, the ones from `begin` up to `end` are tried.
+    // Of the primitives that are bound, those from `begin` up to `end` are tried.
     begin: u32,
     end: u32,
     // Of a search tree: levels of nodes, and the nodes to begin at.
@@ -12,7 +10,8 @@ struct Job {
     n_roots: u32,
     // Where the numbers of its primitives begin among its links.
     numbers_at: u32,
-    pad: u32,
+    pad_a: u32,
+    pad_b: u32,
     roots: vec4<u32>,
 }
 

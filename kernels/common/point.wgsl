@@ -9,6 +9,10 @@ fn upper_of(step: Step, point: Primitive) -> real {
     return at_most(step, seen(step, point.xyz));
 }
 
+fn lower_of(step: Step, point: Primitive) -> real {
+    return at_least(step, seen(step, point.xyz));
+}
+
 fn bounds_of(step: Step, point: Primitive) -> Bounds {
     let at = seen(step, point.xyz);
     let upper = at_most(step, at);

@@ -24,6 +24,11 @@ fn upper_of(step: Step, triangle: Primitive) -> real {
     return select(upper, NONE, is_beside(step, a, b, c));
 }
 
+// A first one from below: of a corner.
+fn lower_of(step: Step, triangle: Primitive) -> real {
+    return at_least(step, seen(step, triangle.a.xyz));
+}
+
 // Does the tool pass it by?
 fn is_beside(step: Step, a: vec3<real>, b: vec3<real>, c: vec3<real>) -> bool {
     let lowest = min(a, min(b, c));

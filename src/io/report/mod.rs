@@ -28,5 +28,5 @@ pub use page::{Block, Figure, Image, Page, Picture, Section, Table};
 pub use png::encode_png;
 pub use raster::{Raster, render};
 pub use scene::{Camera, Path, Scene, Solid};
-pub use svg::{Grid, Series, heat_map, line_chart, signed_map};
+pub use svg::{Grid, Series, heat_map, line_chart, log_log_chart, signed_map};
 pub use verify_page::{deviation_map, verify_page, verify_summary, with_cut};

@@ -38,11 +38,23 @@ pub fn line_chart(series: &[Series], labels: Labels) -> String {
     let points = || series.iter().flat_map(|s| &s.points);
     let x = Ticks::around(points().map(|p| p[0]), 6);
     let y = Ticks::around(points().map(|p| p[1]), 5).widened();
-    let mut svg = Chart::new(&x, &y, labels);
+    lines(series, labels, &x, &y)
+}
+
+/// The same where both axes go by powers of ten; what is not above 0 is left out.
+pub fn log_log_chart(series: &[Series], labels: Labels) -> String {
+    let points = || series.iter().flat_map(|s| &s.points);
+    let x = Ticks::decades(points().map(|p| p[0]));
+    let y = Ticks::decades(points().map(|p| p[1])).widened();
+    lines(series, labels, &x, &y)
+}
+
+fn lines(series: &[Series], labels: Labels, x: &Ticks, y: &Ticks) -> String {
+    let mut svg = Chart::new(x, y, labels);
     for (i, line) in series.iter().enumerate() {
         let color = SERIES[i % SERIES.len()];
         for run in runs(&thinned(&line.points)) {
-            let places = run.iter().map(|&[px, py]| place(&x, &y, px, py));
+            let places = run.iter().map(|&[px, py]| place(x, y, px, py));
             let corners: Vec<String> = places.map(|[px, py]| format!("{px:.1},{py:.1}")).collect();
             svg.add(format_args!(
                 "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.6\" \

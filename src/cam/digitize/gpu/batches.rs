@@ -30,6 +30,8 @@ pub(super) struct Batches<'a, H, L> {
 struct Done<S> {
     views: Vec<View>,
     states: Vec<S>,
+    /// Runs of the kernel that each step took.
+    n_runs: u32,
 }
 
 impl<'a, H: HeightFunction, L: Layout> Batches<'a, H, L> {
@@ -62,37 +64,40 @@ impl<'a, H: HeightFunction, L: Layout> Batches<'a, H, L> {
             let views: Vec<View> = (from..to).into_par_iter().map(&views).collect();
             let settled = || before.as_ref().map(|done| self.settle(done)).unwrap_or_default();
             let searched = || self.search(&views, &mut pace, progress);
-            let ((mut settled, n), states) = rayon::join(settled, searched);
+            let ((mut settled, n), found) = rayon::join(settled, searched);
             contacts.append(&mut settled);
             n_undecided += n;
             if views.is_empty() {
                 return Ok(Digitized { contacts, n_undecided });
             }
-            before = Some(Done { states: states?, views });
+            let (states, n_runs) = found?;
+            before = Some(Done { views, states, n_runs });
             progress.advance((to - from) as u64)?;
             from = to;
         }
     }
 
-    /// What the device finds at these steps.
+    /// What the device finds at these steps, and in how many runs.
     fn search(
         &self,
         views: &[View],
         pace: &mut Pace,
         progress: &dyn Progress,
-    ) -> Result<Vec<L::State>, DigitizeError> {
+    ) -> Result<(Vec<L::State>, u32), DigitizeError> {
         if views.is_empty() {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), 0));
         }
-        let gpu = self.device.gpu;
+        let (gpu, method) = (self.device.gpu, self.digitizer.method);
         let steps = steps::steps::<L>(views, &self.slack)?;
         let steps = gpu.upload("steps", &steps)?;
         let states = gpu.upload("states", &vec![L::nothing_yet(); views.len()])?;
+        let mut n_runs = 0;
         for piece in &self.pieces {
             let mut begin = 0;
             while begin < piece.n_shares {
-                let n = (pace.n_units() / views.len() as u64).max(1) as usize;
-                let end = begin.saturating_add(n).min(piece.n_shares);
+                let n =
+                    (pace.n_units() / views.len() as u64).clamp(1, self.device.run as u64) as usize;
+                let end = (begin + n).min(piece.n_shares);
                 let job = Job {
                     n_steps: views.len() as u32,
                     begin: begin as u32,
@@ -101,17 +106,19 @@ impl<'a, H: HeightFunction, L: Layout> Batches<'a, H, L> {
                 };
                 let job = gpu.upload("job", &[job])?;
                 let mut buffers = vec![&job, &self.on_device, &piece.primitives, &steps, &states];
-                buffers.extend(&piece.tree);
+                buffers.extend(&piece.others);
                 let started = Instant::now();
-                let n_groups = (views.len() as u32).div_ceil(self.device.workgroup);
+                let in_group = self.device.workgroup * kernels::steps_a_thread(method);
+                let n_groups = (views.len() as u32).div_ceil(in_group);
                 gpu.run(&self.kernel, &buffers, n_groups)?;
                 pace.took(((end - begin) * views.len()) as u64, started.elapsed());
                 // To be stopped between two.
                 progress.advance(0)?;
                 begin = end;
+                n_runs += 1;
             }
         }
-        Ok(gpu.download("states", &states)?)
+        Ok((gpu.download("states", &states)?, n_runs))
     }
 
     /// The contacts of a batch, and at how many steps the device could not decide.
@@ -122,7 +129,7 @@ impl<'a, H: HeightFunction, L: Layout> Batches<'a, H, L> {
             .zip(done.views.par_chunks(CHUNK))
             .zip(done.states.par_chunks(CHUNK))
             .map(|((contacts, views), states)| {
-                let states = states.iter().map(L::listed);
+                let states = states.iter().map(|state| L::listed(state, done.n_runs));
                 dispatch!(Level::new(), simd => self.settle_chunk(simd, contacts, views, states))
             })
             .sum();

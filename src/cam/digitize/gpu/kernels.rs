@@ -35,6 +35,14 @@ pub(super) fn kernel(digitizer: &Digitizer, device: &Device) -> Kernel {
     task.kernel(device.precision, device.workgroup)
 }
 
+/// Steps that a thread of its kernel takes: `STEPS_A_THREAD` of `kernels/digitize_exhaustive.wgsl`.
+pub(super) fn steps_a_thread(method: Method) -> u32 {
+    match method {
+        Method::Exhaustive => 4,
+        Method::Indexed => 1,
+    }
+}
+
 impl Task {
     fn kernel(self, precision: Precision, workgroup: u32) -> Kernel {
         let shape = if self.is_wheel { WHEEL } else { MILL };
@@ -116,7 +124,7 @@ mod tests {
         ($module:ident) => {
             [
                 ("Job", in_rust!(
-                    Job: n_steps, first, begin, end, n_levels, n_roots, numbers_at, pad, roots
+                    Job: n_steps, begin, end, n_levels, n_roots, numbers_at, pad_a, pad_b, roots
                 )),
                 ("Triangle", in_rust!($module::Triangle: a, b, c)),
                 ("Child", in_rust!($module::Child: center, a, b, c)),
@@ -129,7 +137,7 @@ mod tests {
                         flank_slope, flank_to, rim_center, rim_radius, rim_rise
                     ),
                 ),
-                ("State", in_rust!($module::State: floor, lost, uppers, n, primitives)),
+                ("State", in_rust!($module::State: floor, lost, uppers, n, n_runs, primitives)),
             ]
         };
     }
@@ -151,8 +159,10 @@ mod tests {
     }
 
     #[test]
-    fn the_kernels_have_room_for_as_many_candidates_as_their_mirror() {
+    fn the_kernels_have_as_many_candidates_and_steps_a_thread_as_the_host_believes() {
         assert!(CANDIDATES.contains(&format!("N_CANDIDATES = {N_CANDIDATES}u;")));
+        let n_steps = steps_a_thread(Method::Exhaustive);
+        assert!(EXHAUSTIVE.contains(&format!("STEPS_A_THREAD = {n_steps}u;")));
         assert!(CANDIDATES.contains(&format!("uppers: array<real, {N_CANDIDATES}>")));
     }
 }

@@ -17,13 +17,13 @@ const NOWHERE: f64 = 1e30;
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(super) struct Job {
     pub(super) n_steps: u32,
-    pub(super) first: u32,
     pub(super) begin: u32,
     pub(super) end: u32,
     pub(super) n_levels: u32,
     pub(super) n_roots: u32,
     pub(super) numbers_at: u32,
-    pub(super) pad: u32,
+    pub(super) pad_a: u32,
+    pub(super) pad_b: u32,
     pub(super) roots: [u32; 4],
 }
 
@@ -65,7 +65,8 @@ pub(super) trait Layout: Send + Sync {
     fn tool(cutter: &Cutter) -> Self::Tool;
     /// Before any primitive has been tried.
     fn nothing_yet() -> Self::State;
-    fn listed(state: &Self::State) -> Listed;
+    /// What `n_runs` of a kernel left, or those of them that came to their end.
+    fn listed(state: &Self::State, n_runs: u32) -> Listed;
 }
 
 macro_rules! layout {
@@ -140,7 +141,8 @@ macro_rules! layout {
                 pub(in super::super) lost: $real,
                 pub(in super::super) uppers: [$real; N_CANDIDATES],
                 pub(in super::super) n: u32,
-                pub(in super::super) primitives: [u32; N_CANDIDATES + 1],
+                pub(in super::super) n_runs: u32,
+                pub(in super::super) primitives: [u32; N_CANDIDATES],
             }
         }
 
@@ -220,11 +222,11 @@ macro_rules! layout {
                 $module::State { floor: -1e38, lost: -3e38, ..$module::State::zeroed() }
             }
 
-            fn listed(state: &Self::State) -> Listed {
+            fn listed(state: &Self::State, n_runs: u32) -> Listed {
                 let mut listed = Listed {
                     primitives: [0; N_CANDIDATES],
                     n: 0,
-                    is_whole: state.lost < state.floor,
+                    is_whole: state.lost < state.floor && state.n_runs == n_runs,
                 };
                 let candidates = state.uppers.iter().zip(&state.primitives);
                 for (upper, primitive) in candidates.take(state.n as usize) {

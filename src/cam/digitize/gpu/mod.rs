@@ -38,6 +38,7 @@ mod layout;
 mod pieces;
 mod slack;
 mod steps;
+mod subtrees;
 
 use super::{Contact, Digitizer, View};
 use crate::compute::{Compute, Gpu, GpuError, Precision};
@@ -50,6 +51,10 @@ use layout::{Double, Single};
 /// Bounds claim no more than this [mm].
 const LEAST_SLACK: f64 = 1e-9;
 
+/// Some drivers end all loops of a thread after 65,535 turns (`expect_end` of
+/// `kernels/common/candidates.wgsl`); a primitive takes one, and four more where it must be looked at again.
+const MOST_OF_A_RUN: usize = 12_288;
+
 /// A device, and how it is put to work. None of it changes a bit of the answer.
 #[derive(Debug, Clone, Copy)]
 pub struct Device<'a> {
@@ -61,6 +66,8 @@ pub struct Device<'a> {
     pub workgroup: u32,
     /// Steps sent at once.
     pub batch: usize,
+    /// Primitives that a run of a kernel tries at most, one after the other.
+    pub run: usize,
     /// Bytes of the part that a kernel sees at once; what is larger goes in pieces.
     pub binding: u64,
 }
@@ -70,8 +77,8 @@ pub struct Device<'a> {
 pub struct Digitized {
     /// The contact at each position; `None` where the tool meets nothing.
     pub contacts: Vec<Option<Contact>>,
-    /// Positions at which too much lay equally high for the device, so that the processor searched
-    /// on its own.
+    /// Positions at which too much lay equally high for the device, or its driver ended it before its
+    /// time, so that the processor searched on its own.
     pub n_undecided: usize,
 }
 
@@ -103,6 +110,7 @@ impl<'a> Device<'a> {
             precision: Precision::Single,
             workgroup: 64,
             batch: 8192,
+            run: MOST_OF_A_RUN,
             binding: gpu.largest_binding(),
         }
     }
