@@ -42,6 +42,35 @@ pub enum RgbdError {
         /// Rows there.
         height: usize,
     },
+    /// A disparity without a depth.
+    #[error(
+        "the disparity {value} at column {column} of row {row} is not below the offset {offset}: its \
+         depth would be infinite or negative; give the offset this sensor was calibrated to"
+    )]
+    Disparity {
+        /// Its column, from 0.
+        column: usize,
+        /// Its row, from 0.
+        row: usize,
+        /// The disparity.
+        value: u16,
+        /// The offset of the sensor.
+        offset: f64,
+    },
+    /// Nothing was measured.
+    #[error(
+        "no pixel has a depth: the sensor was covered, too close, or its pictures are no depth"
+    )]
+    NoReadings,
+    /// Depths no such camera sees.
+    #[error(
+        "half of the depths lie below {median} mm, where depth cameras see 100 mm to 20 m: the depth \
+         scale is wrong; state how many units of the picture are a metre (depth-scale)"
+    )]
+    Scale {
+        /// The median of the readings [mm].
+        median: f32,
+    },
     /// A path whose stamps do not rise.
     #[error(
         "pose {number} has the stamp {stamp}, but the one before has {before}: stamps must rise; \

@@ -2,6 +2,9 @@
 
 use super::{Camera, Image, OrganisedCloud, RgbdError};
 
+/// What depth cameras see [mm].
+const PLAUSIBLE: std::ops::Range<f32> = 100.0..20_000.0;
+
 /// One exposure of a depth camera: depth, and what else the sensor gave, all of one size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RgbdFrame {
@@ -35,6 +38,19 @@ impl RgbdFrame {
             size("confidence map", depth.0, depth.1, "depth image", confidence)?;
         }
         Ok(())
+    }
+
+    /// Refuses a frame without readings, or with depths no depth camera sees: most often a wrong scale.
+    pub fn check_depth(&self) -> Result<(), RgbdError> {
+        let is_reading = |depth: &f32| *depth > 0.0;
+        let mut readings: Vec<f32> =
+            self.depth.pixels().iter().copied().filter(is_reading).collect();
+        if readings.is_empty() {
+            return Err(RgbdError::NoReadings);
+        }
+        let middle = readings.len() / 2;
+        let median = *readings.select_nth_unstable_by(middle, f32::total_cmp).1;
+        if PLAUSIBLE.contains(&median) { Ok(()) } else { Err(RgbdError::Scale { median }) }
     }
 
     /// How many pixels have a depth.
@@ -87,6 +103,19 @@ mod tests {
         let confidence = Some(Image::filled(2, 3, 1.0));
         let error = RgbdFrame { confidence, ..frame() }.check(&camera()).unwrap_err().to_string();
         assert!(error.starts_with("the confidence map is 2 x 3"), "{error}");
+    }
+
+    #[test]
+    fn a_wrong_depth_scale_and_a_covered_sensor_are_told() {
+        frame().check_depth().unwrap();
+        let scaled =
+            |factor: f32| RgbdFrame { depth: frame().depth.map(|d| d * factor), ..frame() };
+        for factor in [1e-3, 1e3] {
+            let error = scaled(factor).check_depth().unwrap_err().to_string();
+            assert!(error.contains("depth scale is wrong"), "{error}");
+        }
+        let error = scaled(0.0).check_depth().unwrap_err().to_string();
+        assert!(error.starts_with("no pixel has a depth"), "{error}");
     }
 
     #[test]

@@ -12,10 +12,14 @@
 mod associate;
 mod camera;
 mod error;
+pub mod filter;
 mod frame;
 mod image;
+mod normals;
 mod organised;
 mod pyramid;
+mod sensor;
+pub mod simulated;
 mod trajectory;
 
 pub use associate::associate;
@@ -23,6 +27,8 @@ pub use camera::{Camera, Distortion};
 pub use error::{RgbdError, SequenceError};
 pub use frame::RgbdFrame;
 pub use image::{Image, grey};
+pub use normals::NormalOptions;
 pub use organised::OrganisedCloud;
 pub use pyramid::{halved_depth, halved_grey};
+pub use sensor::{KinectDisparity, depth_from_numbers, numbers_from_depth};
 pub use trajectory::{CameraTrajectory, StampedPose};
