@@ -22,6 +22,7 @@ pub struct ScanFolder {
     folder: OutputFolder,
     camera: DepthCamera,
     n_frames: usize,
+    /// Empty while there is no colour: a list without pictures would be a sequence without frames.
     color_list: String,
     depth_list: String,
     n_written: usize,
@@ -37,15 +38,13 @@ impl ScanFolder {
         overwrite: Overwrite,
     ) -> Result<Self, WriteError> {
         let folder = OutputFolder::begin(path, overwrite, &CONTENT)?;
-        folder.create_folder("rgb")?;
         folder.create_folder("depth")?;
-        let head = |what: &str| format!("# {what}, simulated by horma\n# stamp file\n");
         Ok(Self {
             folder,
             camera: *camera,
             n_frames,
-            color_list: head("colour pictures"),
-            depth_list: head("depth pictures"),
+            color_list: String::new(),
+            depth_list: head("depth"),
             n_written: 0,
             shown: Vec::new(),
         })
@@ -53,6 +52,10 @@ impl ScanFolder {
 
     /// Writes one frame.
     pub fn add(&mut self, frame: RgbdFrame) -> Result<(), WriteError> {
+        if frame.color.is_some() && self.color_list.is_empty() {
+            self.folder.create_folder("rgb")?;
+            self.color_list = head("colour");
+        }
         let stamp = format!("{:.6}", frame.stamp);
         let depth_name = format!("depth/{stamp}.png");
         let numbers = numbers_from_depth(&frame.depth, self.camera.depth_scale);
@@ -85,7 +88,9 @@ impl ScanFolder {
     pub fn finish(self, truth: &CameraTrajectory) -> Result<(), WriteError> {
         let Self { folder, camera, color_list, depth_list, shown, .. } = self;
         let sheet = contact_sheet(&shown);
-        folder.write("rgb.txt", |out| out.write_all(color_list.as_bytes()))?;
+        if !color_list.is_empty() {
+            folder.write("rgb.txt", |out| out.write_all(color_list.as_bytes()))?;
+        }
         folder.write("depth.txt", |out| out.write_all(depth_list.as_bytes()))?;
         folder.write("groundtruth.txt", |out| trajectory::write(out, truth))?;
         folder.write("camera.toml", |out| camera::write(out, &camera))?;
@@ -94,7 +99,40 @@ impl ScanFolder {
     }
 }
 
+fn head(what: &str) -> String {
+    format!("# pictures of {what}, simulated by horma\n# stamp file\n")
+}
+
 fn list(lines: &mut String, stamp: &str, name: &str) {
     // Writing to a String cannot fail.
     let _ = writeln!(lines, "{stamp} {name}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Pose;
+    use crate::io::rgbd::open_sequence;
+    use crate::rgbd::{Camera, Image, StampedPose};
+
+    #[test]
+    fn a_scan_without_colour_reads_back_without() {
+        let around = tempfile::tempdir().unwrap();
+        let path = around.path().join("scan");
+        let camera = Camera::pinhole([4, 3], [4.0, 4.0], [1.5, 1.0]);
+        let camera = DepthCamera { camera, ..DepthCamera::KINECT };
+        let mut folder = ScanFolder::begin(&path, &camera, 2, Overwrite::Refuse).unwrap();
+        let depth = Image::filled(4, 3, 800.0);
+        for i in 0..2 {
+            let (stamp, depth) = (f64::from(i) / 32.0, depth.clone());
+            folder.add(RgbdFrame { stamp, color: None, depth, confidence: None }).unwrap();
+        }
+        let world_from_camera = Pose::translation(1.0, 2.0, 3.0);
+        let truth = CameraTrajectory::new(vec![StampedPose { stamp: 0.0, world_from_camera }]);
+        folder.finish(&truth.unwrap()).unwrap();
+        let sequence = open_sequence(&path, None).unwrap();
+        assert_eq!((sequence.files.len(), sequence.camera), (2, camera));
+        let frame = sequence.frames().nth(1).unwrap().unwrap();
+        assert_eq!((frame.stamp, frame.depth, frame.color), (0.031_25, depth, None));
+    }
 }
