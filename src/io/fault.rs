@@ -87,6 +87,34 @@ pub enum Fault {
         /// How the file counts.
         counted_from: i64,
     },
+    /// Pictures, cameras or poses that cannot be.
+    #[error("{0}")]
+    Rgbd(#[from] crate::rgbd::RgbdError),
+    /// A description that says something that cannot be.
+    #[error("{place}: {problem}{excerpt}")]
+    Description {
+        /// File, line and column.
+        place: String,
+        /// What is wrong there.
+        problem: String,
+        /// The line with a mark under the place.
+        excerpt: String,
+    },
+    /// Well-formed, but there is no pose in it.
+    #[error("there are no poses in it; each line is: stamp tx ty tz qx qy qz qw")]
+    NoPoses,
+    /// A folder that is no sequence of frames.
+    #[error(
+        "it is no scan: there is neither rgb.txt or depth.txt (TUM) nor a folder depth/ with PNG pictures \
+         in it"
+    )]
+    NoSequence,
+    /// A sequence in which no depth goes with a colour.
+    #[error(
+        "there is no frame in it: no picture of depth is listed that has one of colour within 0.02 s; the \
+         stamps of rgb.txt and depth.txt must be of one clock"
+    )]
+    NoFrames,
     /// Well-formed, but there is no surface in it.
     #[error("there are no {0} in it; export the part again, with its surface selected")]
     Nothing(&'static str),

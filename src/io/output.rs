@@ -37,6 +37,23 @@ pub enum WriteError {
         /// The folder.
         path: PathBuf,
     },
+    /// Something else than a folder stands where a folder is written.
+    #[error("cannot write the folder {path:?}: it is no folder; choose another name")]
+    IsNoFolder {
+        /// What stands there.
+        path: PathBuf,
+    },
+    /// A folder of something else stands where one is written.
+    #[error(
+        "cannot replace the folder {path:?}: it holds {entry:?}, which horma did not write; choose another \
+         name, or empty it yourself"
+    )]
+    IsElses {
+        /// The folder.
+        path: PathBuf,
+        /// What it holds.
+        entry: PathBuf,
+    },
     /// Something is already there.
     #[error("{path:?} exists already; choose another name or overwrite it with --force")]
     Exists {

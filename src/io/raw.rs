@@ -12,11 +12,21 @@ pub(super) struct Raw {
     pub(super) metres_are_customary: bool,
     /// What the user must know: what was left out and why.
     pub(super) notes: Vec<String>,
+    /// The rows and columns of a cloud, where the file has them.
+    pub(super) grid: Option<RawGrid>,
+}
+
+/// The rows and columns in which a scanner saw a cloud.
+pub(super) struct RawGrid {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// The point in each cell, row by row, if there is one; without a list they come in this order.
+    pub(super) cells: Option<Vec<Option<u32>>>,
 }
 
 impl Raw {
     pub(super) fn new(surface: Surface) -> Self {
-        Self { surface, declared: None, metres_are_customary: false, notes: Vec::new() }
+        Self { surface, declared: None, metres_are_customary: false, notes: Vec::new(), grid: None }
     }
 }
 

@@ -34,6 +34,12 @@ pub fn read_surface(path: &Path, unit: Option<LengthUnit>) -> Result<Reading, Re
 const HEAD_SIZE: usize = 1 << 16;
 
 fn read(path: &Path, unit: Option<LengthUnit>) -> Result<Reading, Fault> {
+    let (raw, format) = read_raw(path)?;
+    settle(raw, format, unit)
+}
+
+/// What the file `path` holds, before units are settled.
+pub(super) fn read_raw(path: &Path) -> Result<(Raw, Format), Fault> {
     let file = File::open(path)?;
     let size = file.metadata()?.len();
     let mut reader = BufReader::with_capacity(HEAD_SIZE, file);
@@ -43,8 +49,7 @@ fn read(path: &Path, unit: Option<LengthUnit>) -> Result<Reading, Fault> {
     }
     let format = Format::detect(head, size, path).ok_or(Fault::Unrecognised)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let raw = parse(format, &mut Source::new(&mut reader, size), folder)?;
-    settle(raw, format, unit)
+    Ok((parse(format, &mut Source::new(&mut reader, size), folder)?, format))
 }
 
 fn parse(format: Format, source: &mut Source<'_>, folder: &Path) -> Result<Raw, Fault> {
@@ -63,7 +68,7 @@ fn parse(format: Format, source: &mut Source<'_>, folder: &Path) -> Result<Raw, 
 
 /// Checks every coordinate, normalises normals and scales to millimetres.
 fn settle(raw: Raw, format: Format, stated: Option<LengthUnit>) -> Result<Reading, Fault> {
-    let Raw { mut surface, declared, metres_are_customary, mut notes } = raw;
+    let Raw { mut surface, declared, metres_are_customary, mut notes, grid: _ } = raw;
     match &mut surface {
         Surface::Mesh(mesh) => {
             if mesh.triangles.is_empty() {
@@ -82,15 +87,26 @@ fn settle(raw: Raw, format: Format, stated: Option<LengthUnit>) -> Result<Readin
         Surface::Sections(grid) => check(&grid.points, "section point")?,
     }
     let extent = surface.aabb().size().max();
-    let (unit, unit_from) = match (stated, declared) {
-        (Some(unit), _) => (unit, UnitSource::Stated),
-        (None, Some(unit)) => (unit, UnitSource::Declared),
-        (None, None) => (LengthUnit::detect(extent, metres_are_customary), UnitSource::Detected),
-    };
-    if unit_from == UnitSource::Detected {
-        notes.extend(doubt(extent, unit, metres_are_customary));
-    }
+    let (unit, unit_from, doubt) = unit_of(extent, stated, declared, metres_are_customary);
+    notes.extend(doubt);
     Ok(Reading { surface: surface.scaled(unit.in_mm()), format, unit, unit_from, notes })
+}
+
+/// The unit of a file whose content has that extent, how it is known, and what is doubtful about it.
+pub(super) fn unit_of(
+    extent: f64,
+    stated: Option<LengthUnit>,
+    declared: Option<LengthUnit>,
+    metres_are_customary: bool,
+) -> (LengthUnit, UnitSource, Option<String>) {
+    match (stated, declared) {
+        (Some(unit), _) => (unit, UnitSource::Stated, None),
+        (None, Some(unit)) => (unit, UnitSource::Declared, None),
+        (None, None) => {
+            let unit = LengthUnit::detect(extent, metres_are_customary);
+            (unit, UnitSource::Detected, doubt(extent, unit, metres_are_customary))
+        }
+    }
 }
 
 fn check(points: &[Point3], kind: &'static str) -> Result<(), Fault> {

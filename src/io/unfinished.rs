@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{NamedTempFile, TempDir, TempPath};
 
 /// A file under a temporary name beside the place it is meant for; removed when dropped.
 #[derive(Debug)]
@@ -17,6 +17,9 @@ pub(super) struct Unfinished {
     _listed: Listed,
 }
 
+/// How often a folder that is still being filled is removed.
+const N_TRIES: usize = 10;
+
 /// Removes every unfinished output of this process, then calls `end` while nobody can begin or
 /// finish another: for a process that is about to leave without unwinding.
 pub fn abandon_unfinished(end: impl FnOnce()) {
@@ -24,7 +27,7 @@ pub fn abandon_unfinished(end: impl FnOnce()) {
     let unfinished = lock(&UNFINISHED);
     for path in unfinished.iter() {
         // Someone may have been quicker; there is nobody left to tell of anything else.
-        let _ = fs::remove_file(path);
+        let _ = if path.is_dir() { remove_folder(path) } else { fs::remove_file(path) };
     }
     end();
 }
@@ -43,6 +46,64 @@ impl Unfinished {
         let (file, temporary) = made.into_parts();
         let listed = Listed(temporary.to_path_buf());
         Ok((Self { temporary, place: place.to_owned(), _listed: listed }, file))
+    }
+}
+
+/// Removes a folder that others may still be writing files into.
+fn remove_folder(path: &Path) -> io::Result<()> {
+    let mut removed = Ok(());
+    for _ in 0..N_TRIES {
+        removed = fs::remove_dir_all(path);
+        if removed.is_ok() {
+            break;
+        }
+    }
+    removed
+}
+
+/// A folder under a temporary name beside the place it is meant for; removed when dropped.
+#[derive(Debug)]
+pub(super) struct UnfinishedFolder {
+    /// Holds the folder itself, which has the permissions of any new one (the temporary one has not),
+    /// and later what stood in its place before.
+    around: TempDir,
+    _listed: Listed,
+}
+
+impl UnfinishedFolder {
+    const NEW: &str = "new";
+    const OLD: &str = "old";
+
+    /// Begins a folder for `place`, on the same file system so that a rename moves it there.
+    pub(super) fn beside(place: &Path) -> io::Result<Self> {
+        let mut unfinished = lock(&UNFINISHED);
+        let around = tempfile::Builder::new().prefix(".horma-").tempdir_in(folder_of(place))?;
+        unfinished.insert(around.path().to_owned());
+        drop(unfinished);
+        let listed = Listed(around.path().to_owned());
+        fs::create_dir(around.path().join(Self::NEW))?;
+        Ok(Self { around, _listed: listed })
+    }
+
+    /// Where it lies for now.
+    pub(super) fn path(&self) -> PathBuf {
+        self.around.path().join(Self::NEW)
+    }
+
+    /// Renames it to `place`; a folder that stands there goes, or comes back if the rename fails.
+    pub(super) fn finish(self, place: &Path) -> io::Result<()> {
+        let _finishing = lock(&FINISHING);
+        let older = self.around.path().join(Self::OLD);
+        let had_older = place.is_dir();
+        if had_older {
+            fs::rename(place, &older)?;
+        }
+        fs::rename(self.path(), place).inspect_err(|_| {
+            if had_older {
+                // The failure that led here is the one to tell.
+                let _ = fs::rename(&older, place);
+            }
+        })
     }
 }
 

@@ -1,4 +1,6 @@
 //! One pure function per job: values in, values out.
 
 pub mod cam;
+pub mod evaluate;
+pub mod simulate_scan;
 pub mod verify;

@@ -40,6 +40,8 @@ pub(super) struct Header {
     pub(super) fields: Vec<Field>,
     pub(super) n_points: u64,
     pub(super) encoding: Encoding,
+    /// Columns and rows, where there are several rows.
+    pub(super) grid: Option<[usize; 2]>,
 }
 
 impl Header {
@@ -105,7 +107,9 @@ impl Header {
             let (size, count) = (size as usize, (count as usize).max(1));
             fields.push(Field { name, kind, size, count, offset, first_value });
         }
-        Ok(Self { fields, n_points, encoding })
+        let grid = width.filter(|width| 1 < height && width.checked_mul(height) == Some(n_points));
+        let grid = grid.map(|width| [width as usize, height as usize]);
+        Ok(Self { fields, n_points, encoding, grid })
     }
 
     /// Bytes a point.

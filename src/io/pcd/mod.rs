@@ -8,7 +8,7 @@ mod header;
 mod lzf;
 
 use super::fault::{Fault, Place};
-use super::raw::Raw;
+use super::raw::{Raw, RawGrid};
 use super::source::{Source, number, shown, words};
 use crate::geom::{Point3, PointCloud, Surface, Vector3};
 use header::{Encoding, Field, Header, Kind};
@@ -22,7 +22,8 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Raw, Fault> {
         Encoding::Binary => read_binary(source, &header, &columns)?,
         Encoding::Compressed => read_compressed(source, &header, &columns)?,
     };
-    Ok(Raw { metres_are_customary: true, ..Raw::new(Surface::Points(cloud)) })
+    let grid = header.grid.map(|[width, height]| RawGrid { width, height, cells: None });
+    Ok(Raw { metres_are_customary: true, grid, ..Raw::new(Surface::Points(cloud)) })
 }
 
 /// Which fields are used, as indices into the header's.

@@ -48,6 +48,8 @@ pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
     pub(super) declared: Option<LengthUnit>,
+    /// Columns and rows of the scanner's picture, as `obj_info` has it.
+    pub(super) grid: [Option<usize>; 2],
 }
 
 impl Header {
@@ -56,6 +58,7 @@ impl Header {
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
         let mut declared = None;
+        let mut grid = [None; 2];
         let mut line = Vec::new();
         loop {
             if !source.read_line(&mut line)? {
@@ -68,6 +71,8 @@ impl Header {
                 words(&line).map(|word| std::str::from_utf8(word).unwrap_or_default()).collect();
             match words.as_slice() {
                 ["end_header"] => break,
+                ["obj_info", "num_cols", n] => grid[0] = n.parse().ok(),
+                ["obj_info", "num_rows", n] => grid[1] = n.parse().ok(),
                 ["ply"] | ["obj_info", ..] | [] => {}
                 ["comment", ..] => {
                     declared = declared
@@ -88,7 +93,7 @@ impl Header {
         }
         let encoding = encoding
             .ok_or_else(|| Fault::malformed(Place::Line(2), "the header has no format line"))?;
-        Ok(Self { encoding, elements, declared })
+        Ok(Self { encoding, elements, declared, grid })
     }
 }
 

@@ -5,7 +5,7 @@ use super::values::Values;
 use crate::geom::{Point3, PointCloud, Surface, TriMesh, Vector3};
 use crate::io::faces::Faces;
 use crate::io::fault::Fault;
-use crate::io::raw::Raw;
+use crate::io::raw::{Raw, RawGrid};
 use crate::io::source::Source;
 
 /// Reads a PLY file; without faces it is a cloud.
@@ -15,12 +15,20 @@ pub(in crate::io) fn read(source: &mut Source<'_>) -> Result<Raw, Fault> {
     let mut cloud = PointCloud::default();
     let mut faces = Faces::default();
     let mut notes = Vec::new();
+    let mut grid = None;
     for element in &header.elements {
         match element.name.as_str() {
             "vertex" => cloud = read_vertices(&mut values, element)?,
             "face" => read_faces(&mut values, element, &mut faces)?,
             other => {
-                skip(&mut values, element)?;
+                match header.grid {
+                    [Some(width), Some(height)] if other == "range_grid" => {
+                        let n_points = cloud.points.len();
+                        let cells = read_grid(&mut values, element, [width, height], n_points)?;
+                        grid = Some(RawGrid { width, height, cells: Some(cells) });
+                    }
+                    _ => skip(&mut values, element)?,
+                }
                 notes.push(format!("{} of the element {other:?} left out", element.claimed));
             }
         }
@@ -31,7 +39,7 @@ pub(in crate::io) fn read(source: &mut Source<'_>) -> Result<Raw, Fault> {
         let mesh = faces.into_mesh(cloud.points, 0)?;
         Surface::Mesh(TriMesh { normals: cloud.normals, colors: cloud.colors, ..mesh })
     };
-    Ok(Raw { declared: header.declared, notes, ..Raw::new(surface) })
+    Ok(Raw { declared: header.declared, notes, grid, ..Raw::new(surface) })
 }
 
 fn read_vertices(values: &mut Values<'_, '_>, element: &Element) -> Result<PointCloud, Fault> {
@@ -93,6 +101,34 @@ fn read_faces(
         faces.push(&corners, values.place());
     }
     Ok(())
+}
+
+/// The point in each cell of a scanner's picture, if there is one.
+fn read_grid(
+    values: &mut Values<'_, '_>,
+    element: &Element,
+    [width, height]: [usize; 2],
+    n_points: usize,
+) -> Result<Vec<Option<u32>>, Fault> {
+    let n_cells = values.count(element)?;
+    if width.checked_mul(height) != Some(n_cells) {
+        let problem = format!("the range_grid of {n_cells} cells is not {width} x {height}");
+        return Err(Fault::malformed(values.place(), problem));
+    }
+    let i_list = element.properties.iter().position(|property| property.length.is_some());
+    let mut row = vec![0.0; element.properties.len()];
+    let (mut list, mut cells) = (Vec::new(), Vec::with_capacity(n_cells));
+    for _ in 0..n_cells {
+        values.read_element(element, &mut row, i_list, &mut list)?;
+        let cell =
+            list.first().map(|&i| u32::try_from(i).ok().filter(|i| (*i as usize) < n_points));
+        if let (Some(None), Some(i)) = (cell, list.first()) {
+            let problem = format!("a cell names point {i}, but there are only {n_points}");
+            return Err(Fault::malformed(values.place(), problem));
+        }
+        cells.push(cell.flatten());
+    }
+    Ok(cells)
 }
 
 fn skip(values: &mut Values<'_, '_>, element: &Element) -> Result<(), Fault> {

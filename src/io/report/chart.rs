@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 /// Size of the drawing, in its own units: CSS pixels where a report shows it two abreast.
 pub(super) const WIDTH: f64 = 560.0;
-const HEIGHT: f64 = 320.0;
+pub(super) const HEIGHT: f64 = 320.0;
 /// Left, right, top and bottom edge of the plot inside the chart.
 pub(super) const PLOT: [f64; 4] = [62.0, 546.0, 28.0, 262.0];
 /// What the two axes of a chart are called, with their units.

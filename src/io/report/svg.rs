@@ -49,6 +49,22 @@ pub fn log_log_chart(series: &[Series], labels: Labels) -> String {
     lines(series, labels, &x, &y)
 }
 
+/// Places on a map: both axes in one scale. Points may come in any order along their line.
+pub fn plan_chart(series: &[Series], labels: Labels) -> String {
+    let points = || series.iter().flat_map(|s| &s.points);
+    let [left, right, top, bottom] = PLOT;
+    let ranges = [0, 1].map(|k| Ticks::around(points().map(|p| p[k]), 5).range);
+    let sizes = [right - left, bottom - top];
+    let lengths = ranges.map(|[min, max]| max - min);
+    let scale = (lengths[0] / sizes[0]).max(lengths[1] / sizes[1]);
+    let [x, y] = [0, 1].map(|k| {
+        let middle = f64::midpoint(ranges[k][0], ranges[k][1]);
+        let half = scale * sizes[k] / 2.0;
+        Ticks::around([middle - half, middle + half].into_iter(), 5)
+    });
+    lines(series, labels, &x, &y)
+}
+
 fn lines(series: &[Series], labels: Labels, x: &Ticks, y: &Ticks) -> String {
     let mut svg = Chart::new(x, y, labels);
     for (i, line) in series.iter().enumerate() {
@@ -202,6 +218,21 @@ mod tests {
     fn value_that_is_no_number_leaves_a_gap_in_the_line() {
         let points = vec![[0.0, 1.0], [1.0, 3.0], [2.0, f64::NAN], [3.0, 2.0], [4.0, 2.0]];
         assert_eq!(line_chart(&[series(points)], LABELS).matches("<polyline").count(), 2);
+    }
+
+    #[test]
+    fn a_plan_is_drawn_in_one_scale() {
+        let square = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        let plan = plan_chart(&[series(square)], LABELS);
+        assert_balanced(&plan);
+        let (_, rest) = plan.split_once("<polyline points=\"").unwrap();
+        let corners: Vec<[f64; 2]> = rest[..rest.find('"').unwrap()]
+            .split(' ')
+            .map(|c| c.split_once(',').unwrap())
+            .map(|(x, y)| [x.parse().unwrap(), y.parse().unwrap()])
+            .collect();
+        let (across, up) = (corners[1][0] - corners[0][0], corners[1][1] - corners[2][1]);
+        assert!((across - up).abs() < 0.2 && up > 200.0, "{across} {up}");
     }
 
     #[test]

@@ -7,12 +7,14 @@ mod convert;
 mod demo;
 mod devices;
 mod dialect;
+mod evaluate;
 mod info;
 mod last;
 mod machine;
 mod restart;
 mod rough;
 mod shell;
+mod simulate_scan;
 mod simulated;
 mod table;
 mod tool;
@@ -68,6 +70,8 @@ enum Command {
     Check(check::CheckArgs),
     Verify(Box<verify::VerifyArgs>),
     Restart(restart::RestartArgs),
+    SimulateScan(Box<simulate_scan::SimulateScanArgs>),
+    Evaluate(evaluate::EvaluateArgs),
     Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
@@ -91,6 +95,8 @@ impl Cli {
             Command::Check(args) => check::run(args, &self.shell),
             Command::Verify(args) => verify::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
+            Command::SimulateScan(args) => simulate_scan::run(args, &self.shell),
+            Command::Evaluate(args) => evaluate::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
             Command::Last(args) => last::run(args, &self.shell),
