@@ -4,16 +4,17 @@
 //! those before it):
 //!
 //! 1. [`progress`]: how long work reports and is stopped.
-//! 2. [`geom`]: poses, boxes, clouds, meshes, the search tree.
+//! 2. [`geom`]: poses, boxes, clouds, meshes, normals, the search trees.
 //! 3. [`compute`]: the processor, or a graphics card.
-//! 4. [`tool`]: what cuts: profiles of revolution and their height functions.
-//! 5. [`machine`]: what moves: axes, limits and clamping as data, and the kinematics they make.
-//! 6. [`stock`]: what is left of the raw block, and whole moves of a tool through it.
-//! 7. [`cam`]: trajectories, virtual digitizing, the toolpath with its feeds.
-//! 8. [`gcode`]: the toolpath as a program of blocks, and back.
-//! 9. [`measure`]: a program replayed on its block, and what is left compared with the part.
-//! 10. [`workflow`]: one pure function per job.
-//! 11. [`io`]: files in and out.
+//! 4. [`register`]: one view of a part laid over another.
+//! 5. [`tool`]: what cuts: profiles of revolution and their height functions.
+//! 6. [`machine`]: what moves: axes, limits and clamping as data, and the kinematics they make.
+//! 7. [`stock`]: what is left of the raw block, and whole moves of a tool through it.
+//! 8. [`cam`]: trajectories, virtual digitizing, the toolpath with its feeds.
+//! 9. [`gcode`]: the toolpath as a program of blocks, and back.
+//! 10. [`measure`]: a program replayed on its block, and what is left compared with the part.
+//! 11. [`workflow`]: one pure function per job.
+//! 12. [`io`]: files in and out.
 //!
 //! Inside, lengths are millimetres and angles radians, all `f64`; metres, degrees and seconds per
 //! minute live only in files, flags and reports.
@@ -26,6 +27,7 @@ pub mod io;
 pub mod machine;
 pub mod measure;
 pub mod progress;
+pub mod register;
 pub mod stock;
 pub mod tool;
 pub mod workflow;
