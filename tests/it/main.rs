@@ -33,6 +33,7 @@ mod page;
 mod parts;
 mod programs;
 mod random_cases;
+mod register;
 mod rough_and_finish;
 mod roughing;
 mod rs274;

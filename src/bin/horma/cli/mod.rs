@@ -10,6 +10,7 @@ mod dialect;
 mod info;
 mod last;
 mod machine;
+mod register;
 mod restart;
 mod rough;
 mod shell;
@@ -68,6 +69,7 @@ enum Command {
     Check(check::CheckArgs),
     Verify(Box<verify::VerifyArgs>),
     Restart(restart::RestartArgs),
+    Register(Box<register::RegisterArgs>),
     Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
@@ -91,6 +93,7 @@ impl Cli {
             Command::Check(args) => check::run(args, &self.shell),
             Command::Verify(args) => verify::run(args, &self.shell),
             Command::Restart(args) => restart::run(args, &self.shell),
+            Command::Register(args) => register::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
             Command::Last(args) => last::run(args, &self.shell),
