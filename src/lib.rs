@@ -4,7 +4,7 @@
 //! those before it):
 //!
 //! 1. [`progress`]: how long work reports and is stopped.
-//! 2. [`geom`]: poses, boxes, clouds, meshes, the search tree.
+//! 2. [`geom`]: poses, boxes, clouds, meshes, normals, the search trees.
 //! 3. [`compute`]: the processor, or a graphics card.
 //! 4. [`rgbd`]: what depth cameras see: cameras, frames, sensors real and simulated.
 //! 5. [`register`]: what moves one view onto another, and how far off it is.

@@ -2,7 +2,10 @@
 
 mod aabb;
 mod cloud;
+mod downsample;
 mod mesh;
+mod nearest;
+mod normals;
 mod polygon;
 mod sections;
 pub mod shapes;
@@ -14,7 +17,12 @@ mod weld;
 
 pub use aabb::Aabb;
 pub use cloud::PointCloud;
+pub(crate) use downsample::centroid;
+pub use downsample::{VoxelError, voxel_grid};
 pub use mesh::TriMesh;
+pub use nearest::{KdTree, Nearest, Neighbour, VoxelMap};
+pub(crate) use normals::least_direction;
+pub use normals::{Tangent, is_border, normals, orient_alike, orient_towards};
 pub use polygon::Polygons;
 pub use sections::SectionGrid;
 pub use surface::Surface;

@@ -17,6 +17,7 @@ mod output_set;
 mod pcd;
 mod ply;
 mod points;
+mod pose;
 mod program;
 mod raw;
 mod read;
@@ -38,6 +39,7 @@ pub use machine::{
 };
 pub use output::{Overwrite, WriteError, write_file};
 pub use output_set::OutputSet;
+pub use pose::{PoseError, pose_text, read_pose};
 pub use program::{ReadProgramError, read_program, write_program};
 pub use read::{Reading, read_surface};
 pub use target::is_standard_output;

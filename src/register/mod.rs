@@ -1,6 +1,10 @@
-//! Registration: what moves one view onto another, and how far off it is.
+//! Registration: the motion that lays one view of a part over another, and how far a trajectory is
+//! off.
+//!
+//! [`icp`] refines a pose that is roughly known; [`align`] is the closed form for paired points.
 
 mod align;
+pub mod icp;
 mod odometry_error;
 mod statistics;
 

@@ -2,5 +2,6 @@
 
 pub mod cam;
 pub mod evaluate;
+pub mod register;
 pub mod simulate_scan;
 pub mod verify;

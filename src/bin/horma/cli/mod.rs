@@ -11,6 +11,7 @@ mod evaluate;
 mod info;
 mod last;
 mod machine;
+mod register;
 mod restart;
 mod rough;
 mod shell;
@@ -72,6 +73,7 @@ enum Command {
     Restart(restart::RestartArgs),
     SimulateScan(Box<simulate_scan::SimulateScanArgs>),
     Evaluate(evaluate::EvaluateArgs),
+    Register(Box<register::RegisterArgs>),
     Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
@@ -97,6 +99,7 @@ impl Cli {
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::SimulateScan(args) => simulate_scan::run(args, &self.shell),
             Command::Evaluate(args) => evaluate::run(args, &self.shell),
+            Command::Register(args) => register::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
             Command::Last(args) => last::run(args, &self.shell),

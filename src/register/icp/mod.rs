@@ -1,0 +1,185 @@
+//! Fine registration: iterated closest points, from a start that is roughly right.
+//!
+//! Both clouds are thinned by voxels and put about their centroids ([`View`]). Then, with fewer points
+//! and longer pairs at first: *sample* the source, *pair* it with the target, *reject* and *weigh*
+//! pairs, make their cost small by a damped Gauss-Newton step, until steps are small. The stages and
+//! their names are those of Rusinkiewicz and Levoy (2001); what is made small is a [`Metric`].
+//!
+//! At the end the pose is judged: what the pairs do not hold, how much of the clouds lies on each
+//! other and how well. A [`Verdict`] that is not ok comes with its [`Reason`]s.
+//!
+//! Besl and McKay (1992); Segal et al. (2009); Park et al. (2017); Morell (2014), section 2.3.1.
+
+mod cost;
+mod error;
+mod freedom;
+mod held;
+mod judge;
+mod options;
+mod pair;
+mod reject;
+mod sample;
+mod settled;
+mod step;
+mod verdict;
+mod view;
+mod weigh;
+
+pub use error::{IcpError, Role};
+pub use freedom::{FreeMotion, MotionKind};
+pub use judge::Alignment;
+pub use options::{Directions, IcpOptions, Kernel, Metric, Pairing, Sampling, Weighting};
+pub use settled::Settled;
+pub use verdict::{Reason, Verdict};
+pub use view::{View, ViewOptions};
+
+use crate::geom::{PointCloud, Pose, Vector3};
+use crate::progress::Progress;
+use cost::{Cost, Motion};
+use judge::Course;
+use pair::{Pair, Pairs};
+use reject::reject;
+use step::{step, taken};
+use weigh::{colour_scale, robust, weigh};
+
+/// Fewer pairs fix no pose.
+const LEAST_PAIRS: usize = 12;
+/// The last level but one need not be finer than this share of a voxel.
+const COARSE_EPS: f64 = 0.1;
+/// Steps without a shorter one among them, after which those below [`RATTLE`] are rattling.
+const RATTLES: u32 = 6;
+/// Rattling stays within this share of a voxel.
+const RATTLE: f64 = 0.03;
+
+/// Lays `source` over `target`, beginning at `target_from_source`.
+pub fn align(
+    source: &PointCloud,
+    target: &PointCloud,
+    target_from_source: &Pose,
+    options: &IcpOptions,
+    progress: &dyn Progress,
+) -> Result<Alignment, IcpError> {
+    options.check()?;
+    let settled = Settled::new(source, target, options)?;
+    let view = |cloud, role| {
+        let options = ViewOptions {
+            voxel: settled.voxel,
+            neighbours: options.neighbours,
+            with_colours: settled.metric == Metric::Coloured,
+            with_borders: options.reject_borders,
+        };
+        View::new(cloud, role, options, progress)
+    };
+    let (source, target) =
+        rayon::join(|| view(source, Role::Source), || view(target, Role::Target));
+    align_views([&source?, &target?], target_from_source, &settled, options, progress)
+}
+
+/// Lays the first of two views over the second, beginning at `target_from_source`.
+///
+/// The views must have what `settled` and the options ask for: voxels, colours, borders.
+pub fn align_views(
+    views: [&View; 2],
+    target_from_source: &Pose,
+    settled: &Settled,
+    options: &IcpOptions,
+    progress: &dyn Progress,
+) -> Result<Alignment, IcpError> {
+    options.check()?;
+    if !target_from_source.to_homogeneous().iter().all(|x| x.is_finite()) {
+        return Err(IcpError::Start);
+    }
+    let start = about_centers(target_from_source, views);
+    let course = iterate(views, &start, settled, options, progress)?;
+    let mut alignment = judge::judge(views, &start, &course, settled);
+    alignment.target_from_source = from_centers(&course.pose, views);
+    Ok(alignment)
+}
+
+/// From the start to where steps become small, or to where there is nothing left to go by.
+fn iterate(
+    views: [&View; 2],
+    start: &Pose,
+    settled: &Settled,
+    options: &IcpOptions,
+    progress: &dyn Progress,
+) -> Result<Course, IcpError> {
+    let [source, target] = views;
+    let samples = sample::sample(source, options);
+    let mut from_source = Pairs::new(source, target, options.pairing);
+    let mut from_target = Pairs::new(target, source, options.pairing);
+    let mut course = Course::at(*start);
+    progress.start("align", u64::from(options.levels));
+    for level in 0..options.levels {
+        let is_last = level + 1 == options.levels;
+        let within = settled.distance(level, options.levels);
+        let eps = settled.eps(options, is_last);
+        from_source.ask(sample::thinned(&samples, options.levels - 1 - level));
+        let is_both = is_last && options.directions == Directions::Both;
+        if is_both {
+            from_target.ask(sample::sample(target, options));
+        }
+        course.converged = false;
+        let (mut shortest, mut restless) = (f64::INFINITY, 0);
+        for i_iteration in 0..options.iterations {
+            progress.advance(0)?;
+            let motion = Motion::from(&course.pose);
+            let mut pairs = from_source.find(&motion, within);
+            course.first_pairs.get_or_insert(pairs.len());
+            reject(&mut pairs, views, &motion, options);
+            if is_both {
+                let back = Motion::from(&course.pose.inverse());
+                let mut others = from_target.find(&back, within);
+                reject(&mut others, [target, source], &back, options);
+                pairs.extend(others.iter().map(Pair::turned));
+            }
+            if pairs.len() < LEAST_PAIRS {
+                course.starved = true;
+                return Ok(course);
+            }
+            let mut cost = Cost { source, target, metric: settled.metric, colour_scale: 0.0 };
+            // Set when a level has taken its first step: a balance that never rests never converges.
+            if i_iteration < 2 {
+                course.colour_scale = colour_scale(&pairs, &cost, &motion);
+            }
+            cost.colour_scale = course.colour_scale;
+            weigh(&mut pairs, &cost, &motion, (options.weighting, within));
+            robust(&mut pairs, &cost, &motion, options.kernel);
+            let Some(small) = step(&cost, &pairs, &course.pose, target.radius) else {
+                // No step makes the cost smaller: this is the bottom.
+                course.converged = true;
+                break;
+            };
+            course.pose = taken(&course.pose, &small);
+            course.n_iterations += 1;
+            course.last_step = [small.fixed_rows::<3>(0).norm(), small.fixed_rows::<3>(3).norm()];
+            let way = course.last_step[0] * source.radius + course.last_step[1];
+            restless = if way < shortest { 0 } else { restless + 1 };
+            shortest = shortest.min(way);
+            // A few pairs change partners to and fro: that moves the pose, but nowhere.
+            let rattles = restless >= RATTLES && way < RATTLE * settled.voxel;
+            let is_small = course.last_step[0] < eps[0] && course.last_step[1] < eps[1];
+            if is_small || rattles {
+                course.converged = true;
+                break;
+            }
+        }
+        progress.advance(1)?;
+    }
+    Ok(course)
+}
+
+/// A pose between the clouds' own coordinates as one between those about their centroids.
+fn about_centers(target_from_source: &Pose, [source, target]: [&View; 2]) -> Pose {
+    let shift = target_from_source * source.center - target.center;
+    Pose::from_parts(shift.into(), target_from_source.rotation)
+}
+
+fn from_centers(pose: &Pose, [source, target]: [&View; 2]) -> Pose {
+    let shift: Vector3 =
+        target.center.coords + pose.translation.vector - pose.rotation * source.center.coords;
+    Pose::from_parts(shift.into(), pose.rotation)
+}
+
+#[cfg(test)]
+mod tests;

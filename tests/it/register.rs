@@ -1,0 +1,225 @@
+//! `horma register`: from files to a matrix, and what it says when there is none.
+
+use crate::command::horma;
+use horma::geom::{Point3, PointCloud, Pose, Surface, Vector3, shapes};
+use horma::io::{Overwrite, read_pose, write_surface};
+use horma::register::icp::{IcpOptions, Kernel, Metric, Verdict, align};
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+/// A chiral body as points, moved.
+fn scan(pose: &Pose, scale: f64) -> Surface {
+    let mesh = shapes::chiral(20_000);
+    let points = mesh.points.iter().map(|point| Point3::from((pose * point).coords * scale));
+    Surface::Points(PointCloud { points: points.collect(), ..PointCloud::default() })
+}
+
+fn truth() -> Pose {
+    Pose::new(Vector3::new(1.5, -1.0, 0.8), Vector3::new(0.02, 0.03, -0.02))
+}
+
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn put(&self, name: &str, surface: &Surface) -> String {
+        let path = self.path(name);
+        write_surface(&path, surface, Overwrite::Replace).unwrap();
+        path.to_str().unwrap().to_owned()
+    }
+
+    fn text(&self, name: &str, text: &str) -> String {
+        std::fs::write(self.path(name), text).unwrap();
+        self.path(name).to_str().unwrap().to_owned()
+    }
+}
+
+fn code(output: &Output) -> Option<i32> {
+    output.status.code()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn largest_error(found: &Pose, expected: &Pose) -> f64 {
+    let mesh = shapes::chiral(20_000);
+    mesh.points.iter().map(|p| (found * p - expected * p).norm()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_motion_between_two_files_is_found_written_and_read_back() {
+    let bench = Bench::new();
+    let source = bench.put("source.ply", &scan(&Pose::identity(), 1.0));
+    let target = bench.put("target.ply", &scan(&truth(), 1.0));
+    let (matrix, both) = (bench.path("T.txt"), bench.path("both.ply"));
+    let [to, cloud] = [&matrix, &both].map(|path| path.to_str().unwrap());
+    let output =
+        horma(&["register", &source, &target, "-o", to, "--write-cloud", cloud, "--units", "mm"]);
+    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(told.starts_with("verdict  ok\n"), "{told}");
+    assert!(told.contains("units mm, as stated") && told.contains(to), "{told}");
+    let found = read_pose(&matrix, horma::geom::LengthUnit::Metre).unwrap();
+    assert!(largest_error(&found, &truth()) < 0.01, "{found}");
+    let text = std::fs::read_to_string(&matrix).unwrap();
+    assert!(text.starts_with("# target_from_source: 4 x 4, row by row; units mm\n"), "{text}");
+    let merged = horma::io::read_surface(&both, None).unwrap().surface;
+    let n_points = shapes::chiral(20_000).points.len();
+    assert_eq!(merged.points().len(), 2 * n_points);
+    // What is there stays there.
+    let again = horma(&["register", &source, &target, "-o", to, "--units", "mm"]);
+    assert_eq!(code(&again), Some(73), "{}", stderr(&again));
+}
+
+#[test]
+fn the_matrix_is_in_the_unit_of_the_files_and_starts_from_one_like_it() {
+    let bench = Bench::new();
+    let source = bench.put("source.xyz", &scan(&Pose::identity(), 0.001));
+    let far = Pose::translation(300.0, 0.0, 0.0) * truth();
+    let target = bench.put("target.xyz", &scan(&far, 0.001));
+    let init = bench.text("init.txt", "# metres\n1 0 0 0.3\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    let output = horma(&["register", &source, &target, "--init", &init, "--units", "m", "--json"]);
+    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["verdict"], "ok");
+    assert_eq!(report["unit"], "m");
+    let x = report["target_from_source"][0][3].as_f64().unwrap();
+    assert!((x - far.translation.x / 1000.0).abs() < 1e-5, "{x}");
+    let lone = horma(&["register", &source, &target, "--units", "m"]);
+    assert_eq!(code(&lone), Some(65));
+    assert!(stderr(&lone).contains("start beyond reach"), "{}", stderr(&lone));
+}
+
+#[test]
+fn a_plane_fails_with_its_free_motions_and_writes_nothing() {
+    let bench = Bench::new();
+    let points = (0..2500_u32)
+        .map(|i| Point3::new(f64::from(i % 50) * 2.0, f64::from(i / 50) * 2.0, 0.0))
+        .collect();
+    let plane = Surface::Points(PointCloud { points, ..PointCloud::default() });
+    let path = bench.put("plane.ply", &plane);
+    let matrix = bench.path("T.txt");
+    let to = matrix.to_str().unwrap();
+    let output = horma(&["register", &path, &path, "-o", to, "--voxel", "2", "--units", "mm"]);
+    assert_eq!(code(&output), Some(65));
+    let told = stderr(&output);
+    assert!(told.contains("sliding along x, sliding along y, turning about z"), "{told}");
+    assert!(told.contains("nothing was written") && !matrix.exists(), "{told}");
+}
+
+#[test]
+fn wrong_flags_and_broken_files_are_told_by_name() {
+    let bench = Bench::new();
+    let good = bench.put("good.ply", &scan(&Pose::identity(), 1.0));
+    let few = bench.text("few.xyz", "0 0 0\n90 0 0\n0 90 0\n");
+    let line: Vec<String> = (0..200).map(|i| format!("{i} {i} {i}\n")).collect();
+    let line = bench.text("line.xyz", &line.concat());
+    let broken = bench.text("broken.ply", "ply\nformat ascii 1.0\nelement vertex 5\n");
+    let empty = bench.text("empty.ply", "");
+    let mirror = bench.text("mirror.txt", "-1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    let cases: &[(&[&str], i32, &str)] = &[
+        (&[&good], 2, "<TARGET>"),
+        (&[&good, &good, "--fine", "best"], 2, "[possible values: point-to-point, point-to-plane"),
+        (&[&good, &good, "--kernel", "l1"], 2, "[possible values: none, huber, tukey, cauchy"),
+        (&[&good, &good, "--voxel", "0"], 65, "--voxel is 0; it must be a number above 0"),
+        (&[&good, &good, "--voxel", "1e-9"], 65, "are too small for a cloud of"),
+        (&[&good, &good, "--levels", "0"], 65, "--levels is 0; it must be a whole number"),
+        (&[&good, &good, "--reject-worst", "100"], 65, "--reject-worst is 100"),
+        (
+            &[&good, &good, "--final-distance", "9", "--max-distance", "2"],
+            65,
+            "at most --max-distance",
+        ),
+        (&[&good, &good, "--fine", "coloured"], 65, "the source has no colours"),
+        (&[&good, &good, "--init", &mirror], 65, "is no rigid motion: it mirrors"),
+        (&[&good, &good, "--init", &broken], 65, "line 1: \"ply\" is no finite number"),
+        (&[&good, "missing.ply"], 65, "missing.ply"),
+        (&[&good, &broken], 65, "broken.ply"),
+        (&[&empty, &good], 65, "empty.ply"),
+        (&[&few, &good], 65, "the source has 3 points in voxels"),
+        (&[&good, &line], 65, "all points of the target lie on one line"),
+        (&[&good, &good, "--write-cloud", "x.stl"], 73, "cannot hold a cloud of points"),
+        (&[&good, &good, "-o", "no/such/folder/T.txt"], 73, "does not exist"),
+    ];
+    for (arguments, expected, words) in cases {
+        let output = horma(&[&["register"][..], arguments, &["--units", "mm"]].concat());
+        let told = stderr(&output);
+        assert_eq!(code(&output), Some(*expected), "{arguments:?}: {told}");
+        assert!(told.contains(words), "{arguments:?}: {told}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+    }
+}
+
+/// The pairs of real scans whose truth is known: three disturbances of each of four.
+#[test]
+fn disturbed_views_of_the_bunny_come_back() {
+    let Some(data) = std::env::var_os("HORMA_DATA").map(PathBuf::from) else {
+        eprintln!("skipped: HORMA_DATA is not set");
+        return;
+    };
+    let list = std::fs::read_to_string(data.join("pairs/icp.csv")).unwrap();
+    let read = |name: &str| {
+        let path = data.join("scans/stanford_bunny").join(format!("{name}.ply"));
+        let unit = Some(horma::geom::LengthUnit::Metre);
+        horma::io::read_surface(&path, unit).unwrap().surface.into_points()
+    };
+    let mut off = Vec::new();
+    for line in list.lines().filter(|line| line.contains("bun")) {
+        let (name, numbers) = line.split_once(',').unwrap();
+        let numbers: Vec<f64> = numbers.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let mut names = name.split('-');
+        let (source, target) = (read(names.next().unwrap()), read(names.next().unwrap()));
+        let [start, truth] = [&numbers[..12], &numbers[12..24]].map(pose);
+        let options = |fine, kernel| IcpOptions {
+            voxel: Some(1.0),
+            max_distance: Some(20.0),
+            fine: Some(fine),
+            kernel,
+            ..IcpOptions::default()
+        };
+        let run = |options: &IcpOptions| {
+            align(&source, &target, &start, options, &horma::progress::Silent).unwrap()
+        };
+        let gicp = run(&options(Metric::Generalised, Kernel::None));
+        assert_ne!(gicp.verdict, Verdict::Failed, "{name}");
+        let plane = run(&options(Metric::PointToPlane, Kernel::Tukey));
+        off.push([gicp, plane].map(|found| rms(&found.target_from_source, &truth, &source)));
+        // As right as the published poses.
+        assert!(off.last().unwrap().iter().all(|mm| *mm < 2.0), "{name}: {off:?} mm");
+    }
+    assert_eq!(off.len(), 12);
+    let median = |k: usize| {
+        let mut all: Vec<f64> = off.iter().map(|pair| pair[k]).collect();
+        all.sort_by(f64::total_cmp);
+        all[6]
+    };
+    assert!(median(0) <= 0.10 && median(1) <= 0.3, "{} {} mm", median(0), median(1));
+}
+
+fn pose(rows: &[f64]) -> Pose {
+    let rotation = nalgebra::Matrix3::from_fn(|a, b| rows[4 * a + b]);
+    let shift = nalgebra::Vector3::from_fn(|a, _| rows[4 * a + 3] * 1e3);
+    Pose::from_parts(shift.into(), nalgebra::UnitQuaternion::from_matrix(&rotation))
+}
+
+fn rms(a: &Pose, b: &Pose, cloud: &PointCloud) -> f64 {
+    let sum: f64 = cloud.points.iter().map(|p| (a * p - b * p).norm_squared()).sum();
+    (sum / cloud.points.len() as f64).sqrt()
+}
+
+#[test]
+fn help_names_the_stages() {
+    let help = crate::command::help(&["register"]);
+    for word in ["--fine", "--sampling", "--pairing", "--reject-sigma", "--weighting", "--kernel"] {
+        assert!(help.contains(word), "{word}");
+    }
+    assert!(!Path::new("T.txt").exists());
+}
