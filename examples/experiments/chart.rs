@@ -1,7 +1,7 @@
 //! What an experiment leaves: a table in the terminal, the same as CSV, and a chart.
 
 use anyhow::Context as _;
-use horma::io::report::{Labels, Series, log_log_chart};
+use horma::io::report::{Labels, Series, log_log_chart, sheet};
 use horma::io::{OutputSet, Overwrite};
 use std::path::Path;
 
@@ -63,7 +63,7 @@ impl Chart {
             points: self.rows.iter().map(|(at, numbers)| [*at, numbers[i]]).collect(),
         };
         let series: Vec<_> = self.names.iter().enumerate().map(series).collect();
-        let svg = log_log_chart(&series, Labels { x: &self.over, y: self.what });
+        let svg = sheet(&[log_log_chart(&series, Labels { x: &self.over, y: self.what })]);
         let mut csv = vec![format!("{},{}", self.over, self.names.join(","))];
         csv.extend(self.rows.iter().map(|(at, numbers)| {
             let cells: Vec<_> = numbers.iter().map(|number| format!("{number:.4}")).collect();

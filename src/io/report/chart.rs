@@ -21,6 +21,23 @@ pub struct Labels<'a> {
     pub y: &'a str,
 }
 
+/// Charts below each other as one SVG file that needs no page around it.
+pub fn sheet(charts: &[String]) -> String {
+    let height = HEIGHT * charts.len() as f64;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" width=\"{WIDTH}\" \
+         height=\"{height}\" color=\"#222\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
+    );
+    for (i, chart) in charts.iter().enumerate() {
+        let y = HEIGHT * i as f64;
+        let place = format!("<svg y=\"{y}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" ");
+        svg.push_str(&chart.replacen("<svg ", &place, 1));
+        svg.push('\n');
+    }
+    svg.push_str("</svg>\n");
+    svg
+}
+
 /// A chart being written.
 pub(super) struct Chart(String);
 
@@ -62,16 +79,23 @@ impl Chart {
         ));
     }
 
-    /// The `names` of the series in their colours, above the plot; an empty one is left out.
+    /// The `names` of the series in their colours, above the plot, in two rows if they
+    /// are many; an empty one is left out.
     pub(super) fn legend<'a>(&mut self, names: impl Iterator<Item = &'a str>) {
-        let mut x = PLOT[0] + 4.0;
+        let mut at = [PLOT[0] + 4.0, 12.0];
         for (i, name) in names.enumerate().filter(|(_, name)| !name.is_empty()) {
-            let color = SERIES[i % SERIES.len()];
+            let width = 44.0 + 6.5 * name.chars().count() as f64;
+            if WIDTH < at[0] + width - 24.0 {
+                at = [PLOT[0] + 4.0, at[1] + 13.0];
+            }
+            let [x, y] = at;
             self.add(format_args!(
-                "<rect x=\"{x:.1}\" y=\"6\" width=\"14\" height=\"4\" rx=\"2\" fill=\"{color}\"/>"
+                "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"14\" height=\"4\" rx=\"2\" fill=\"{}\"/>",
+                y - 6.0,
+                SERIES[i % SERIES.len()]
             ));
-            self.text([x + 20.0, 12.0], "start", name);
-            x += 44.0 + 6.5 * name.chars().count() as f64;
+            self.text([x + 20.0, y], "start", name);
+            at[0] += width;
         }
     }
 

@@ -21,9 +21,9 @@ pub(super) const MISSING: [u8; 3] = [150, 156, 165];
 pub(super) const BEYOND: [u8; 3] = [213, 94, 0];
 
 /// Colours of series after Okabe and Ito (2008), without yellow and black, which vanish on a light
-/// or a dark page.
-pub(super) const SERIES: [&str; 6] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"];
+/// or a dark page, and with a grey.
+pub(super) const SERIES: [&str; 7] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#888888"];
 
 /// Too deep, right, and material left: red, nearly white, blue, as colour-blind eyes see them too.
 const GOUGE: [f64; 3] = [202.0, 0.0, 32.0];

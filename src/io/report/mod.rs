@@ -22,7 +22,7 @@ mod verify_page;
 
 pub use bars::{Bar, bar_chart};
 pub use cam_page::{cam_page, cam_summary};
-pub use chart::Labels;
+pub use chart::{Labels, sheet};
 pub use colour::heat;
 pub use html::html;
 pub use odometry_plot::odometry_plot;

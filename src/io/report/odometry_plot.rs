@@ -1,6 +1,6 @@
 //! Two trajectories and how far they are apart, as one SVG file.
 
-use super::chart::{HEIGHT, Labels, WIDTH};
+use super::chart::{Labels, sheet};
 use super::svg::{Series, line_chart, plan_chart};
 use crate::geom::Point3;
 use crate::register::{Delta, OdometryError, RelativeError, RelativeErrors};
@@ -38,7 +38,7 @@ pub fn odometry_plot(error: &OdometryError) -> String {
             Labels { x: time, y: "relative error [deg]" },
         ),
     ];
-    below_each_other(&charts)
+    sheet(&charts)
 }
 
 fn step(delta: &Delta) -> String {
@@ -47,23 +47,6 @@ fn step(delta: &Delta) -> String {
         Delta::Poses(n) => format!("{n} poses"),
         Delta::Seconds(seconds) => format!("{seconds} s"),
     }
-}
-
-/// Charts as one file that needs no page around it.
-fn below_each_other(charts: &[String]) -> String {
-    let height = HEIGHT * charts.len() as f64;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" width=\"{WIDTH}\" \
-         height=\"{height}\" color=\"#222\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
-    );
-    for (i, chart) in charts.iter().enumerate() {
-        let y = HEIGHT * i as f64;
-        let place = format!("<svg y=\"{y}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" ");
-        svg.push_str(&chart.replacen("<svg ", &place, 1));
-        svg.push('\n');
-    }
-    svg.push_str("</svg>\n");
-    svg
 }
 
 #[cfg(test)]
