@@ -7,13 +7,19 @@ use nalgebra::{Rotation3, UnitQuaternion};
 /// square. Horn (1987), by the singular values of the covariance. Of points in a line, or all in one
 /// place, it is one of several.
 pub fn align(from: &[Point3], onto: &[Point3]) -> Pose {
+    align_weighted(from, onto, &vec![1.0; from.len()])
+}
+
+/// The same in the weighted mean square; weights are 0 or more.
+pub(super) fn align_weighted(from: &[Point3], onto: &[Point3], weights: &[f64]) -> Pose {
+    let total = weights.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mean = |points: &[Point3]| {
-        points.iter().map(|p| p.coords).sum::<Vector3>() / points.len().max(1) as f64
+        points.iter().zip(weights).map(|(p, w)| p.coords * *w).sum::<Vector3>() / total
     };
     let (middle, target) = (mean(from), mean(onto));
     let mut covariance = Matrix3::zeros();
-    for (a, b) in from.iter().zip(onto) {
-        covariance += (b.coords - target) * (a.coords - middle).transpose();
+    for ((a, b), w) in from.iter().zip(onto).zip(weights) {
+        covariance += (b.coords - target) * (a.coords - middle).transpose() * *w;
     }
     let svd = covariance.svd(true, true);
     let (u, v_t) = (svd.u.unwrap_or_default(), svd.v_t.unwrap_or_default());

@@ -1,9 +1,10 @@
 //! Registration: the motion that lays one view of a part over another, and how far a trajectory is
 //! off.
 //!
-//! [`icp`] refines a pose that is roughly known; [`align`] is the closed form for paired points.
+//! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known; [`align`] is the closed form for paired points.
 
 mod align;
+pub mod coarse;
 pub mod icp;
 mod odometry_error;
 mod statistics;

@@ -2,7 +2,8 @@
 
 use crate::geom::{LengthUnit, PointCloud, Pose};
 use crate::progress::Progress;
-use crate::register::icp::{Alignment, IcpError, IcpOptions, Settled, Verdict, align};
+use crate::register::coarse::{self, CoarseOptions, StartedFrom, Support};
+use crate::register::icp::{Alignment, IcpError, IcpOptions, Settled, Verdict};
 use serde::Serialize;
 
 /// What is to be registered.
@@ -12,13 +13,15 @@ pub struct RegisterJob<'a> {
     pub source: &'a PointCloud,
     /// The scan that stays.
     pub target: &'a PointCloud,
-    /// Where the source starts.
-    pub target_from_source: Pose,
+    /// Where the source starts, if somebody knows.
+    pub target_from_source: Option<Pose>,
     /// The unit the report gives the matrix in.
     pub unit: LengthUnit,
     /// What the user must know about the inputs.
     pub notes: Vec<String>,
-    /// How it is done.
+    /// How a start is found.
+    pub coarse: &'a CoarseOptions,
+    /// How it is refined.
     pub options: &'a IcpOptions,
 }
 
@@ -42,10 +45,18 @@ pub struct RegisterReport {
     pub target_from_source: [[f64; 4]; 4],
     /// The unit of `target_from_source`: that of the target's file.
     pub unit: LengthUnit,
-    /// How far the source turned from its start [deg].
+    /// How far the source turned from where it was [deg].
     pub turned_deg: f64,
-    /// How far the source moved from its start, root mean square of its points [mm].
+    /// How far the fine stage moved the source from its start, root mean square of its points [mm].
     pub moved: f64,
+    /// Where the start came from.
+    pub started_from: StartedFrom,
+    /// Starts that were tried out.
+    pub n_starts: usize,
+    /// The share of both clouds that lies on each other, normals and all.
+    pub fit: f64,
+    /// What speaks for the pose among places that look alike, where any were looked for.
+    pub support: Option<Support>,
     /// What was settled about metric and lengths.
     pub settled: Settled,
     /// Points of source and target, one to a voxel.
@@ -79,7 +90,10 @@ pub struct RegisterReport {
 /// Lays the source over the target.
 pub fn register(job: RegisterJob, progress: &dyn Progress) -> Result<Registered, IcpError> {
     let start = job.target_from_source;
-    let alignment = align(job.source, job.target, &start, job.options, progress)?;
+    let options = (job.coarse, job.options);
+    let found = coarse::align(job.source, job.target, start.as_ref(), options, progress)?;
+    let alignment = found.alignment;
+    let start = start.unwrap_or_else(Pose::identity);
     let pose = alignment.target_from_source;
     let mut matrix = pose.to_homogeneous();
     for k in 0..3 {
@@ -92,6 +106,10 @@ pub fn register(job: RegisterJob, progress: &dyn Progress) -> Result<Registered,
         unit: job.unit,
         turned_deg: pose.rotation.angle_to(&start.rotation).to_degrees(),
         moved: alignment.moved,
+        started_from: found.started_from,
+        n_starts: found.n_starts,
+        fit: found.fit,
+        support: found.support,
         settled: alignment.settled,
         n_points: alignment.n_points,
         n_inliers: alignment.n_inliers,

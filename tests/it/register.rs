@@ -93,9 +93,38 @@ fn the_matrix_is_in_the_unit_of_the_files_and_starts_from_one_like_it() {
     assert_eq!(report["unit"], "m");
     let x = report["target_from_source"][0][3].as_f64().unwrap();
     assert!((x - far.translation.x / 1000.0).abs() < 1e-5, "{x}");
-    let lone = horma(&["register", &source, &target, "--units", "m"]);
+    let lone = horma(&["register", &source, &target, "--units", "m", "--coarse", "none"]);
     assert_eq!(code(&lone), Some(65));
     assert!(stderr(&lone).contains("start beyond reach"), "{}", stderr(&lone));
+}
+
+#[test]
+fn without_a_start_the_command_finds_one_and_says_how() {
+    let bench = Bench::new();
+    let source = bench.put("source.ply", &scan(&Pose::identity(), 1.0));
+    let far = Pose::new(Vector3::new(200.0, -90.0, 40.0), Vector3::new(1.9, -1.2, 0.8));
+    let target = bench.put("target.ply", &scan(&far, 1.0));
+    for (method, from) in [
+        ("auto", None),
+        ("fpfh-ransac", Some("fpfh-ransac")),
+        ("fpfh-gnc", Some("fpfh-gnc")),
+        ("axes", Some("axes")),
+    ] {
+        let matrix = bench.path(&format!("{method}.txt"));
+        let to = matrix.to_str().unwrap();
+        let output =
+            horma(&["register", &source, &target, "-o", to, "--coarse", method, "--units", "mm"]);
+        assert_eq!(code(&output), Some(0), "{method}: {}", stderr(&output));
+        let told = String::from_utf8(output.stdout).unwrap();
+        let start = told.lines().find(|line| line.starts_with("start ")).unwrap();
+        assert!(from.is_none_or(|from| start.contains(&format!(" {from}, of "))), "{start}");
+        let found = read_pose(&matrix, horma::geom::LengthUnit::Millimetre).unwrap();
+        assert!(largest_error(&found, &far) < 0.05, "{method}: {found}");
+    }
+    let json = horma(&["register", &source, &target, "--units", "mm", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert!(report["n_starts"].as_u64().unwrap() > 1 && report["fit"].as_f64().unwrap() > 0.9);
+    assert!(report["support"]["n_agreeing"].as_u64().unwrap() > 10, "{report}");
 }
 
 #[test]
@@ -128,6 +157,9 @@ fn wrong_flags_and_broken_files_are_told_by_name() {
     let cases: &[(&[&str], i32, &str)] = &[
         (&[&good], 2, "<TARGET>"),
         (&[&good, &good, "--fine", "best"], 2, "[possible values: point-to-point, point-to-plane"),
+        (&[&good, &good, "--coarse", "luck"], 2, "[possible values: none, fpfh-ransac, fpfh-gnc"),
+        (&[&good, &good, "--hypotheses", "0"], 65, "--hypotheses is 0; it must be a whole number"),
+        (&[&good, &good, "--feature-voxel", "-1"], 65, "--feature-voxel is -1; it must be"),
         (&[&good, &good, "--kernel", "l1"], 2, "[possible values: none, huber, tukey, cauchy"),
         (&[&good, &good, "--voxel", "0"], 65, "--voxel is 0; it must be a number above 0"),
         (&[&good, &good, "--voxel", "1e-9"], 65, "are too small for a cloud of"),
@@ -218,7 +250,15 @@ fn rms(a: &Pose, b: &Pose, cloud: &PointCloud) -> f64 {
 #[test]
 fn help_names_the_stages() {
     let help = crate::command::help(&["register"]);
-    for word in ["--fine", "--sampling", "--pairing", "--reject-sigma", "--weighting", "--kernel"] {
+    for word in [
+        "--coarse",
+        "--fine",
+        "--sampling",
+        "--pairing",
+        "--reject-sigma",
+        "--weighting",
+        "--kernel",
+    ] {
         assert!(help.contains(word), "{word}");
     }
     assert!(!Path::new("T.txt").exists());

@@ -137,13 +137,20 @@ impl Cost<'_> {
             terms.even = 1.0;
             return terms;
         }
-        if self.metric == Metric::PointToPlane {
+        if self.metric == Metric::PointToPlane && !pair.is_turned {
             terms.rows[0] = Row::new(n, &out, 1.0);
             return terms;
         }
         let turned = motion.rotation * self.source.normals[i];
         // Normals of scans have no side; those that look the same way are meant.
         let m = if turned.dot(&n) < 0.0 { -turned } else { turned };
+        if self.metric == Metric::PointToPlane {
+            // The plane is the source's and turns with it, which moves the lever to the target point:
+            // `x × m + m × (x - y) = y × m`. So swapped clouds have the same cost and the same slope.
+            terms.rows[0] = Row::new(m, &out, 1.0);
+            terms.at = self.target.points[j].coords;
+            return terms;
+        }
         if self.metric == Metric::Symmetric {
             terms.rows[0] = Row::new((n + m) / 2.0, &out, 1.0);
             return terms;

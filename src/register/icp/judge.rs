@@ -94,6 +94,12 @@ impl Course {
 }
 
 impl Alignment {
+    /// Adds what somebody else has to say against the pose.
+    pub(in crate::register) fn object(&mut self, reason: Reason) {
+        self.verdict = self.verdict.max(reason.verdict());
+        self.reasons.push(reason);
+    }
+
     /// The covariance of a small motion, turn [rad] before shift [mm], about `pivot`; `None` where
     /// a motion is free. It holds as far as every pair errs on its own: real errors are larger.
     pub fn covariance(&self) -> Option<Matrix6<f64>> {

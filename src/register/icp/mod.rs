@@ -61,6 +61,18 @@ pub fn align(
 ) -> Result<Alignment, IcpError> {
     options.check()?;
     let settled = Settled::new(source, target, options)?;
+    let [source, target] = views([source, target], &settled, options, progress)?;
+    align_views([&source, &target], target_from_source, &settled, options, progress)
+}
+
+/// Source and target made ready for what was settled.
+pub(super) fn views(
+    [source, target]: [&PointCloud; 2],
+    settled: &Settled,
+    options: &IcpOptions,
+    progress: &dyn Progress,
+) -> Result<[View; 2], IcpError> {
+    options.check()?;
     let view = |cloud, role| {
         let options = ViewOptions {
             voxel: settled.voxel,
@@ -72,7 +84,7 @@ pub fn align(
     };
     let (source, target) =
         rayon::join(|| view(source, Role::Source), || view(target, Role::Target));
-    align_views([&source?, &target?], target_from_source, &settled, options, progress)
+    Ok([source?, target?])
 }
 
 /// Lays the first of two views over the second, beginning at `target_from_source`.
@@ -106,6 +118,8 @@ fn iterate(
 ) -> Result<Course, IcpError> {
     let [source, target] = views;
     let samples = sample::sample(source, options);
+    let is_both = options.directions == Directions::Both;
+    let back_samples = if is_both { sample::sample(target, options) } else { Vec::new() };
     let mut from_source = Pairs::new(source, target, options.pairing);
     let mut from_target = Pairs::new(target, source, options.pairing);
     let mut course = Course::at(*start);
@@ -114,11 +128,9 @@ fn iterate(
         let is_last = level + 1 == options.levels;
         let within = settled.distance(level, options.levels);
         let eps = settled.eps(options, is_last);
-        from_source.ask(sample::thinned(&samples, options.levels - 1 - level));
-        let is_both = is_last && options.directions == Directions::Both;
-        if is_both {
-            from_target.ask(sample::sample(target, options));
-        }
+        let n_thinnings = options.levels - 1 - level;
+        from_source.ask(sample::thinned(&samples, n_thinnings));
+        from_target.ask(sample::thinned(&back_samples, n_thinnings));
         course.converged = false;
         let (mut shortest, mut restless) = (f64::INFINITY, 0);
         for i_iteration in 0..options.iterations {
@@ -170,12 +182,13 @@ fn iterate(
 }
 
 /// A pose between the clouds' own coordinates as one between those about their centroids.
-fn about_centers(target_from_source: &Pose, [source, target]: [&View; 2]) -> Pose {
+pub(super) fn about_centers(target_from_source: &Pose, [source, target]: [&View; 2]) -> Pose {
     let shift = target_from_source * source.center - target.center;
     Pose::from_parts(shift.into(), target_from_source.rotation)
 }
 
-fn from_centers(pose: &Pose, [source, target]: [&View; 2]) -> Pose {
+/// The inverse of [`about_centers`].
+pub(super) fn from_centers(pose: &Pose, [source, target]: [&View; 2]) -> Pose {
     let shift: Vector3 =
         target.center.coords + pose.translation.vector - pose.rotation * source.center.coords;
     Pose::from_parts(shift.into(), pose.rotation)

@@ -36,7 +36,7 @@ pub struct IcpOptions {
     /// How the partner is found.
     #[arg(long, value_enum, default_value_t = Self::default().pairing)]
     pub pairing: Pairing,
-    /// Whose points look for a partner at the last level.
+    /// Whose points look for a partner.
     #[arg(long, value_enum, default_value_t = Self::default().directions)]
     pub directions: Directions,
     /// Drop pairs longer than the mean by this many standard deviations (Masuda).
@@ -114,11 +114,11 @@ pub enum Pairing {
     VoxelMap,
 }
 
-/// Whose points look for a partner at the last level.
+/// Whose points look for a partner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Directions {
-    /// The source's, as at all levels before.
+    /// The source's.
     Source,
     /// Those of both: source and target may be swapped without another result.
     Both,

@@ -26,12 +26,15 @@ pub(super) struct Pair {
     /// How far apart they are [mm].
     pub(super) distance: f64,
     pub(super) weight: f64,
+    /// True if the target point looked for the source point.
+    pub(super) is_turned: bool,
 }
 
 impl Pair {
     /// Source and target swapped.
     pub(super) fn turned(&self) -> Self {
-        Self { source: self.target, target: self.source, ..*self }
+        let is_turned = !self.is_turned;
+        Self { source: self.target, target: self.source, is_turned, ..*self }
     }
 }
 
@@ -100,7 +103,7 @@ impl<'a> Pairs<'a> {
                 each.filter_map(|(&i, known)| {
                     let at = motion.apply(&source.points[i as usize]);
                     let (target, distance) = search.partner(&at, known)?;
-                    Some(Pair { source: i, target, distance, weight: 1.0 })
+                    Some(Pair { source: i, target, distance, weight: 1.0, is_turned: false })
                 })
                 .collect()
             })

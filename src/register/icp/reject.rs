@@ -92,6 +92,7 @@ mod tests {
             target: i as u32 / 2,
             distance,
             weight: 1.0,
+            is_turned: false,
         };
         distances.iter().enumerate().map(pair).collect()
     }
@@ -133,7 +134,7 @@ mod tests {
         let with_borders = ViewOptions { with_borders: true, ..view_options(0.8) };
         let view = View::new(&relief(3000), Role::Source, with_borders, &Silent).unwrap();
         let all: Vec<Pair> = (0..view.len() as u32)
-            .map(|i| Pair { source: i, target: i, distance: 0.0, weight: 1.0 })
+            .map(|i| Pair { source: i, target: i, distance: 0.0, weight: 1.0, is_turned: false })
             .collect();
         // A quarter of a turn about Y: only what looks along Y keeps its direction.
         let turned = Motion::from(&Pose::rotation(Vector3::y() * std::f64::consts::FRAC_PI_2));

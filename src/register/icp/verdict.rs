@@ -64,13 +64,33 @@ pub enum Reason {
         /// The first distance [mm].
         within: f64,
     },
+    /// No method proposed a start.
+    NoStart,
+    /// A quite different pose is as good.
+    Ambiguous {
+        /// What turns one into the other [deg].
+        turn_deg: f64,
+        /// The share of both clouds that lies on each other, at this pose and at the other.
+        fits: [f64; 2],
+    },
+    /// What looks alike agrees with the pose no better than chance.
+    Unsupported {
+        /// Pairs of places that look alike.
+        n_matches: usize,
+        /// Those that the pose lays on each other.
+        n_agreeing: usize,
+        /// How many it would if partners were drawn at random.
+        by_chance: f64,
+    },
 }
 
 impl Reason {
     /// How much it speaks against the pose.
     pub fn verdict(&self) -> Verdict {
         match self {
-            Self::OutOfReach { .. } | Self::Starved | Self::Free(_) => Verdict::Failed,
+            Self::OutOfReach { .. } | Self::Starved | Self::Free(_) | Self::NoStart => {
+                Verdict::Failed
+            }
             Self::LittleOverlap { overlap: [source, target] }
                 if source.max(*target) < LITTLE_OVERLAP =>
             {
@@ -134,6 +154,22 @@ impl fmt::Display for Reason {
                 f,
                 "start beyond reach: the source moved {moved:.1} mm, but pairs are at most \
                  {within:.1} mm long; start nearer (--init)"
+            ),
+            Self::NoStart => f.write_str(
+                "no start was found: no three places of both clouds look alike and lie alike; choose \
+                 another --feature-voxel, or say where to begin (--init)",
+            ),
+            Self::Ambiguous { turn_deg, fits: [this, other] } => write!(
+                f,
+                "ambiguous: a pose turned by {turn_deg:.1} deg lays {:.0} % of both on each other, this \
+                 one {:.0} %; is the part symmetric? Say where to begin (--init)",
+                100.0 * other,
+                100.0 * this
+            ),
+            Self::Unsupported { n_matches, n_agreeing, by_chance } => write!(
+                f,
+                "chance explains it: of {n_matches} pairs of places that look alike it lays {n_agreeing} \
+                 on each other, where {by_chance:.0} would be by chance"
             ),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::error::{IcpError, Role};
 use crate::geom::{
-    KdTree, Matrix3, Neighbour, Point3, PointCloud, Tangent, Vector3, centroid, is_border,
+    Aabb, KdTree, Matrix3, Neighbour, Point3, PointCloud, Tangent, Vector3, centroid, is_border,
     least_direction, normals, voxel_grid,
 };
 use crate::progress::Progress;
@@ -16,18 +16,18 @@ const LINE: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub struct View {
     /// The centroid of the cloud as it was given; everything here is relative to it [mm].
-    pub(super) center: Point3,
-    pub(super) points: Vec<Point3>,
-    pub(super) tree: KdTree,
-    pub(super) normals: Vec<Vector3>,
+    pub(in crate::register) center: Point3,
+    pub(in crate::register) points: Vec<Point3>,
+    pub(in crate::register) tree: KdTree,
+    pub(in crate::register) normals: Vec<Vector3>,
     /// True if the normals point to the side that the given ones did.
-    pub(super) is_oriented: bool,
+    pub(in crate::register) is_oriented: bool,
     /// How far neighbours lie off their plane, the median of all points [mm].
     pub(super) roughness: f64,
     /// The side of the voxels [mm].
-    pub(super) voxel: f64,
+    pub(in crate::register) voxel: f64,
     /// Root mean square distance from the centroid [mm].
-    pub(super) radius: f64,
+    pub(in crate::register) radius: f64,
     pub(super) colours: Option<Colours>,
     pub(super) is_border: Option<Vec<bool>>,
 }
@@ -125,6 +125,11 @@ impl View {
     /// True if nothing is left; [`View::new`] refuses that.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
+    }
+
+    /// The diagonal of the box around it [mm].
+    pub(in crate::register) fn diagonal(&self) -> f64 {
+        Aabb::around(&self.points).size().norm()
     }
 
     /// The gradient of the brightness in the tangent plane, by least squares.

@@ -131,7 +131,13 @@ mod tests {
         let still = Motion::from(&Pose::identity());
         let weights = |weighting| {
             let mut pairs: Vec<Pair> = (0..view.len() as u32)
-                .map(|i| Pair { source: i, target: i, distance: 0.5, weight: 1.0 })
+                .map(|i| Pair {
+                    source: i,
+                    target: i,
+                    distance: 0.5,
+                    weight: 1.0,
+                    is_turned: false,
+                })
                 .collect();
             weigh(&mut pairs, &cost, &still, (weighting, 2.0));
             pairs
@@ -153,8 +159,9 @@ mod tests {
         let cost =
             Cost { source: &view, target: &view, metric: Metric::PointToPlane, colour_scale: 0.0 };
         let n = view.len() as u32;
-        let mut pairs: Vec<Pair> =
-            (0..n).map(|i| Pair { source: i, target: i, distance: 0.0, weight: 1.0 }).collect();
+        let mut pairs: Vec<Pair> = (0..n)
+            .map(|i| Pair { source: i, target: i, distance: 0.0, weight: 1.0, is_turned: false })
+            .collect();
         // The other end of the cloud.
         pairs[0].target = n - 1;
         let shifted = Motion::from(&Pose::translation(0.1, 0.1, 0.1));

@@ -5,15 +5,18 @@ use super::table::listed;
 use crate::bar::Bar;
 use anyhow::{Context, bail};
 use clap::Args;
-use horma::geom::{LengthUnit, PointCloud, Pose, Surface};
+use horma::geom::{LengthUnit, PointCloud, Surface};
 use horma::io::{self, OutputSet, Overwrite, Reading, pose_text, read_pose};
+use horma::register::coarse::{Coarse, CoarseOptions};
 use horma::register::icp::{IcpOptions, Verdict};
 use horma::workflow::register::{RegisterJob, RegisterReport, Registered, merged, register};
 use std::path::PathBuf;
 
 /// Find the motion that lays one scan over another, and say whether it may be believed.
 ///
-/// Refines a pose that is roughly known: that of --init, else the one the files have.
+/// With --init it refines the pose given there. Else it looks for one by itself: from where the files
+/// have it, by surroundings that look alike, and by the principal axes; what lies best on each other
+/// wins. --coarse chooses one way.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The verdict is ok, doubtful or failed, with the reasons. A failed pose is not written, and the exit
@@ -22,6 +25,7 @@ code is 65. What a file is in, metres or millimetres, is told by itself, by its 
 For example:
   horma register back.ply front.ply -o front_from_back.txt
   horma register scan.pcd model.stl --init rough.txt --voxel 0.5 --max-distance 10 --write-cloud both.ply
+  horma register scan.ply last.stl --coarse axes -o last_from_scan.txt
   horma register a.ply b.ply --fine point-to-plane --kernel tukey --bi-unique --json"
 )]
 pub(crate) struct RegisterArgs {
@@ -33,7 +37,7 @@ pub(crate) struct RegisterArgs {
     /// in the unit of the target's file.
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Where the source starts: a motion as --output writes it [default: where its file has it].
+    /// Where the source starts: a motion as --output writes it [default: it is looked for].
     #[arg(long, value_name = "FILE")]
     init: Option<PathBuf>,
     /// Write both as one cloud, in millimetres; .ply, .obj, .glb, .xyz or .csv.
@@ -46,20 +50,23 @@ pub(crate) struct RegisterArgs {
     #[arg(long)]
     force: bool,
     #[command(flatten)]
+    coarse: CoarseOptions,
+    #[command(flatten)]
     options: IcpOptions,
 }
 
 /// Reads both, registers, writes and tells; a failed pose is an error.
 pub(crate) fn run(args: &RegisterArgs, shell: &Shell) -> anyhow::Result<()> {
     args.options.check()?;
+    args.coarse.check()?;
     args.try_outputs()?;
     let source = io::read_surface(&args.source, args.units)?;
     let target = io::read_surface(&args.target, args.units)?;
     let unit = target.unit;
     let notes = notes(args, &source, &target);
     let start = match &args.init {
-        Some(path) => read_pose(path, unit)?,
-        None => Pose::identity(),
+        Some(path) => Some(read_pose(path, unit)?),
+        None => None,
     };
     let (source, target) = (source.surface.into_points(), target.surface.into_points());
     let bar = shell.progress();
@@ -69,14 +76,16 @@ pub(crate) fn run(args: &RegisterArgs, shell: &Shell) -> anyhow::Result<()> {
         target_from_source: start,
         unit,
         notes,
+        coarse: &args.coarse,
         options: &args.options,
     };
+    let is_searched = args.coarse.method(args.init.is_some()) != Coarse::None;
     let (from, to) = (args.source.display(), args.target.display());
     let done = register(job, &bar).with_context(|| format!("while registering {from} on {to}"))?;
     let is_good = done.report.verdict != Verdict::Failed;
     let written = if is_good { args.write(&done, [&source, &target], &bar)? } else { Vec::new() };
     drop(bar);
-    let mut text = vec![summary(&done.report)];
+    let mut text = vec![summary(&done.report, is_searched)];
     if !written.is_empty() {
         text.push(listed("wrote", &written));
     }
@@ -151,14 +160,26 @@ fn notes(args: &RegisterArgs, source: &Reading, target: &Reading) -> Vec<String>
     notes
 }
 
-fn summary(report: &RegisterReport) -> String {
+/// Where it began, and what speaks for that.
+fn start(report: &RegisterReport) -> String {
+    let alike = report.support.map_or_else(String::new, |support| {
+        let (n, all, chance) = (support.n_agreeing, support.n_matches, support.by_chance);
+        format!("; {n} of {all} places that look alike agree ({chance:.0} by chance)")
+    });
+    format!("{:<9}{}, of {} tried{alike}", "start", report.started_from, report.n_starts)
+}
+
+fn summary(report: &RegisterReport, is_searched: bool) -> String {
     let settled = &report.settled;
     let mut lines = vec![format!("{:<9}{}", "verdict", report.verdict)];
     lines.extend(report.reasons.iter().map(|reason| format!("{:<9}{reason}", "")));
     lines.push(format!(
-        "{:<9}turned {:.3} deg, moved {:.3} mm in {} steps",
+        "{:<9}turned {:.3} deg; the fine stage moved it {:.3} mm in {} steps",
         "motion", report.turned_deg, report.moved, report.n_iterations
     ));
+    if is_searched {
+        lines.push(start(report));
+    }
     let cell = |x: &f64| format!("{x:>14.8}");
     for (row, i) in report.target_from_source.iter().zip(0..) {
         let head = if i == 0 { "matrix" } else { "" };
