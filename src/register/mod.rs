@@ -5,11 +5,13 @@
 
 mod align;
 pub mod coarse;
+mod free_space;
 pub mod icp;
 mod odometry_error;
 mod statistics;
 
 pub use align::align;
+pub use free_space::{FreeSpace, Seen, align_seen};
 pub use odometry_error::{
     AbsoluteError, Delta, OdometryError, OdometryErrorOptions, RelativeError, RelativeErrors,
     TruthAt, Unmatched, odometry_error,

@@ -119,7 +119,7 @@ fn angles(places: [&Point3; 2], normals: [&Vector3; 2]) -> Option<[f64; 3]> {
 
 fn bin(value: f64) -> usize {
     // NaN and what rounding puts outside become the outermost bins.
-    (((value + 1.0) / 2.0 * BINS as f64).max(0.0) as usize).min(BINS - 1)
+    (((value + 1.0) * (BINS as f64 / 2.0)).max(0.0) as usize).min(BINS - 1)
 }
 
 /// Each histogram with the sum 1; what is empty stays so.
@@ -127,7 +127,9 @@ fn evened(mut histograms: Histograms) -> Histograms {
     for histogram in &mut histograms {
         let sum: f64 = histogram.iter().sum();
         if sum > 0.0 {
-            histogram.iter_mut().for_each(|x| *x /= sum);
+            for x in histogram {
+                *x /= sum;
+            }
         }
     }
     histograms

@@ -134,7 +134,7 @@ pub fn align(
         Vec::new()
     };
     let given = Start { pose: icp::about_centers(&given, views), from: StartedFrom::Given };
-    let starts = rough.starts(&matched, method, given, (coarse, fine.seed), progress)?;
+    let starts = rough.starts(&matched, given, (method, coarse, fine.seed), progress)?;
     let tried = tried(rough.views(), &starts, fine.seed, progress)?;
     let finals = finals(views, &tried, (&settled, fine), progress)?;
     let Some((best, others)) = finals.split_first() else {
@@ -181,6 +181,7 @@ impl Rough {
             neighbours: NEIGHBOURS[0],
             with_colours: false,
             with_borders: false,
+            camera: None,
         };
         let rough = |view: &View, role| {
             let normals = view.is_oriented.then(|| view.normals.clone());
@@ -227,9 +228,8 @@ impl Rough {
     fn starts(
         &self,
         matched: &[Matched],
-        method: Coarse,
         given: Start,
-        (options, seed): (&CoarseOptions, u64),
+        (method, options, seed): (Coarse, &CoarseOptions, u64),
         progress: &dyn Progress,
     ) -> Result<Vec<Start>, IcpError> {
         let radius = self.source.radius;

@@ -2,6 +2,7 @@
 
 use crate::geom::VoxelError;
 use crate::progress::Cancelled;
+use crate::rgbd::RgbdError;
 use std::fmt;
 
 /// Why two clouds could not even be tried.
@@ -59,6 +60,17 @@ pub enum IcpError {
         /// Which cloud.
         role: Role,
     },
+    /// Nobody says where the cloud was seen from.
+    #[error(
+        "the {role} has no camera, which pairing by the picture needs; use its frame, or the tree"
+    )]
+    NoCamera {
+        /// Which cloud.
+        role: Role,
+    },
+    /// A frame and its camera do not go together.
+    #[error(transparent)]
+    Frame(#[from] RgbdError),
     /// The start is no number.
     #[error("the start is not finite; give a pose of numbers")]
     Start,

@@ -100,6 +100,14 @@ impl Alignment {
         self.reasons.push(reason);
     }
 
+    /// Takes back the reasons at these places.
+    pub(in crate::register) fn withdraw(&mut self, places: &[usize]) {
+        let mut place = 0..;
+        self.reasons.retain(|_| place.next().is_none_or(|i| !places.contains(&i)));
+        let verdicts = self.reasons.iter().map(Reason::verdict);
+        self.verdict = verdicts.max().unwrap_or(Verdict::Ok);
+    }
+
     /// The covariance of a small motion, turn [rad] before shift [mm], about `pivot`; `None` where
     /// a motion is free. It holds as far as every pair errs on its own: real errors are larger.
     pub fn covariance(&self) -> Option<Matrix6<f64>> {

@@ -17,6 +17,7 @@ mod held;
 mod judge;
 mod options;
 mod pair;
+mod projective;
 mod reject;
 mod sample;
 mod settled;
@@ -35,6 +36,7 @@ pub use view::{View, ViewOptions};
 
 use crate::geom::{PointCloud, Pose, Vector3};
 use crate::progress::Progress;
+use crate::rgbd::Camera;
 use cost::{Cost, Motion};
 use judge::Course;
 use pair::{Pair, Pairs};
@@ -73,18 +75,27 @@ pub(super) fn views(
     progress: &dyn Progress,
 ) -> Result<[View; 2], IcpError> {
     options.check()?;
-    let view = |cloud, role| {
-        let options = ViewOptions {
-            voxel: settled.voxel,
-            neighbours: options.neighbours,
-            with_colours: settled.metric == Metric::Coloured,
-            with_borders: options.reject_borders,
-        };
-        View::new(cloud, role, options, progress)
-    };
-    let (source, target) =
-        rayon::join(|| view(source, Role::Source), || view(target, Role::Target));
+    let of = |cloud, role| view(cloud, role, (settled, options), None, progress);
+    let (source, target) = rayon::join(|| of(source, Role::Source), || of(target, Role::Target));
     Ok([source?, target?])
+}
+
+/// A cloud made ready for what was settled; `camera` is the one that saw it, from the origin.
+pub(super) fn view(
+    cloud: &PointCloud,
+    role: Role,
+    (settled, options): (&Settled, &IcpOptions),
+    camera: Option<Camera>,
+    progress: &dyn Progress,
+) -> Result<View, IcpError> {
+    let options = ViewOptions {
+        voxel: settled.voxel,
+        neighbours: options.neighbours,
+        with_colours: settled.metric == Metric::Coloured,
+        with_borders: options.reject_borders,
+        camera,
+    };
+    View::new(cloud, role, options, progress)
 }
 
 /// Lays the first of two views over the second, beginning at `target_from_source`.
@@ -100,6 +111,14 @@ pub fn align_views(
     options.check()?;
     if !target_from_source.to_homogeneous().iter().all(|x| x.is_finite()) {
         return Err(IcpError::Start);
+    }
+    if options.pairing == Pairing::Projective {
+        for (view, role) in views.iter().zip([Role::Source, Role::Target]) {
+            let is_asked = role == Role::Target || options.directions == Directions::Both;
+            if is_asked && view.camera.is_none() {
+                return Err(IcpError::NoCamera { role });
+            }
+        }
     }
     let start = about_centers(target_from_source, views);
     let course = iterate(views, &start, settled, options, progress)?;

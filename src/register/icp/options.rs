@@ -112,6 +112,10 @@ pub enum Pairing {
     KdTree,
     /// The nearest point in the cells around: no farther off than three voxels.
     VoxelMap,
+    /// The nearest of what the other cloud's camera saw around the same pixel. Files of points have no
+    /// camera: this is for frames.
+    #[value(skip)]
+    Projective,
 }
 
 /// Whose points look for a partner.

@@ -7,6 +7,7 @@
 
 use super::cost::{CHUNK, Motion};
 use super::options::Pairing;
+use super::projective::Projective;
 use super::view::View;
 use crate::geom::{Nearest, Point3, VoxelMap};
 use rayon::prelude::*;
@@ -42,7 +43,8 @@ impl Pair {
 pub(super) struct Pairs<'a> {
     source: &'a View,
     target: &'a View,
-    map: Option<VoxelMap>,
+    /// What finds partners, if not the target's tree.
+    finder: Option<Box<dyn Nearest + 'a>>,
     /// The source points that look for a partner.
     asked: Vec<u32>,
     known: Vec<Known>,
@@ -61,9 +63,15 @@ struct Known {
 
 impl<'a> Pairs<'a> {
     pub(super) fn new(source: &'a View, target: &'a View, pairing: Pairing) -> Self {
-        let map = (pairing == Pairing::VoxelMap)
-            .then(|| VoxelMap::build(&target.points, MAP_CELL * target.voxel));
-        Self { source, target, map, asked: Vec::new(), known: Vec::new() }
+        let finder: Option<Box<dyn Nearest + 'a>> = match (pairing, target.camera) {
+            (Pairing::VoxelMap, _) => {
+                Some(Box::new(VoxelMap::build(&target.points, MAP_CELL * target.voxel)))
+            }
+            (Pairing::Projective, Some(camera)) => Some(Box::new(Projective::new(target, camera))),
+            // Without a camera, only a direction that nobody asks for comes here.
+            (Pairing::KdTree | Pairing::Projective, _) => None,
+        };
+        Self { source, target, finder, asked: Vec::new(), known: Vec::new() }
     }
 
     /// Asks for these source points from now on; what is known of others is forgotten.
@@ -85,8 +93,8 @@ impl<'a> Pairs<'a> {
 
     /// The pairs no longer than `within` where `motion` puts the source, in the order asked.
     pub(super) fn find(&mut self, motion: &Motion, within: f64) -> Vec<Pair> {
-        let (source, target, map) = (self.source, self.target, self.map.as_ref());
-        let nearest: &dyn Nearest = map.map_or(&target.tree, |map| map);
+        let (source, target) = (self.source, self.target);
+        let nearest: &dyn Nearest = self.finder.as_deref().unwrap_or(&target.tree);
         let search = Search {
             nearest,
             targets: &target.points,

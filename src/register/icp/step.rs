@@ -82,6 +82,7 @@ mod tests {
                 target: i + 3,
                 distance: 0.0,
                 weight: 0.5 + f64::from(i % 3),
+                is_turned: false,
             })
             .collect();
         let pose = Pose::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.02, 0.01, -0.03));

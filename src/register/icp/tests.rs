@@ -23,7 +23,7 @@ pub(super) fn relief(n: u32) -> PointCloud {
 }
 
 pub(super) fn options(voxel: f64) -> ViewOptions {
-    ViewOptions { voxel, neighbours: 12, with_colours: false, with_borders: false }
+    ViewOptions { voxel, neighbours: 12, with_colours: false, with_borders: false, camera: None }
 }
 
 fn moved(cloud: &PointCloud, pose: &Pose) -> PointCloud {
@@ -268,6 +268,27 @@ impl Progress for StopAfter {
     fn advance(&self, _: u64) -> Result<(), Cancelled> {
         let left = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1));
         left.map(drop).map_err(|_| Cancelled)
+    }
+}
+
+#[test]
+fn pairing_by_the_picture_asks_for_a_camera() {
+    let options = IcpOptions { pairing: Pairing::Projective, ..IcpOptions::default() };
+    let cloud = relief(500);
+    let error = align(&cloud, &cloud, &Pose::identity(), &options, &Silent).unwrap_err();
+    assert_eq!(error, IcpError::NoCamera { role: Role::Source });
+}
+
+#[test]
+fn swapped_clouds_give_the_inverse_for_every_metric() {
+    let (source, target) = (relief(4000), moved(&relief(3600), &small_motion()));
+    for metric in [Metric::PointToPlane, Metric::Symmetric, Metric::Generalised] {
+        let options =
+            IcpOptions { fine: Some(metric), kernel: Kernel::Tukey, voxel: Some(0.8), ..exact() };
+        let there = run(&source, &target, &options).target_from_source;
+        let back = run(&target, &source, &options).target_from_source.inverse();
+        let off = error(&there, &back, &source);
+        assert!(off < 1e-3, "{metric:?}: {off} mm");
     }
 }
 

@@ -64,6 +64,11 @@ pub enum Reason {
         /// The first distance [mm].
         within: f64,
     },
+    /// One camera has looked through what the other one sees.
+    SeenThrough {
+        /// The share of readings that hang in free space.
+        share: f64,
+    },
     /// No method proposed a start.
     NoStart,
     /// A quite different pose is as good.
@@ -154,6 +159,11 @@ impl fmt::Display for Reason {
                 f,
                 "start beyond reach: the source moved {moved:.1} mm, but pairs are at most \
                  {within:.1} mm long; start nearer (--init)"
+            ),
+            Self::SeenThrough { share } => write!(
+                f,
+                "free space: {:.1} % of what one camera sees hangs where the other one looked through",
+                100.0 * share
             ),
             Self::NoStart => f.write_str(
                 "no start was found: no three places of both clouds look alike and lie alike; choose \

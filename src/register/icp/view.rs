@@ -6,6 +6,7 @@ use crate::geom::{
     least_direction, normals, voxel_grid,
 };
 use crate::progress::Progress;
+use crate::rgbd::Camera;
 
 /// Fewer points fix no pose.
 const LEAST: usize = 20;
@@ -30,6 +31,8 @@ pub struct View {
     pub(in crate::register) radius: f64,
     pub(super) colours: Option<Colours>,
     pub(super) is_border: Option<Vec<bool>>,
+    /// What saw it, from the origin of the cloud as it was given.
+    pub(super) camera: Option<Camera>,
 }
 
 /// How bright a surface is, and how that changes along it.
@@ -52,6 +55,9 @@ pub struct ViewOptions {
     pub with_colours: bool,
     /// Find the borders, for [`IcpOptions::reject_borders`](super::IcpOptions::reject_borders).
     pub with_borders: bool,
+    /// The camera that saw the cloud, from its origin, for
+    /// [`Pairing::Projective`](super::Pairing::Projective).
+    pub camera: Option<Camera>,
 }
 
 impl View {
@@ -91,6 +97,7 @@ impl View {
             radius,
             colours: None,
             is_border: None,
+            camera: options.camera,
             points,
         };
         for (normal, &i) in view.normals.iter_mut().zip(&order) {
@@ -201,8 +208,13 @@ mod tests {
     use super::*;
     use crate::progress::Silent;
 
-    const OPTIONS: ViewOptions =
-        ViewOptions { voxel: 0.5, neighbours: 12, with_colours: true, with_borders: false };
+    const OPTIONS: ViewOptions = ViewOptions {
+        voxel: 0.5,
+        neighbours: 12,
+        with_colours: true,
+        with_borders: false,
+        camera: None,
+    };
 
     fn slope() -> PointCloud {
         let points: Vec<Point3> = (0..900)
