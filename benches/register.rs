@@ -1,11 +1,14 @@
 //! Fine registration on real pairs: how far off it ends, how long it takes, and what it says of
 //! itself. `HORMA_DATA=... cargo bench --bench register [-- WORDS]`; with words, only pairs and
 //! methods whose names hold one of them. Thinning, normals and alignment are timed, reading is not.
-//! On two threads; the best of three.
+//! On two threads; the best of three. Then coarse registration: five bunny pairs, the source turned
+//! three ways, once each.
 
 use horma::geom::{Point3, PointCloud, Pose};
 use horma::progress::Silent;
+use horma::register::coarse::{self, Coarse, CoarseOptions};
 use horma::register::icp::{Alignment, IcpOptions, Kernel, Metric, align};
+use rand::{RngExt, SeedableRng};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -52,6 +55,69 @@ fn main() {
             report(&name, &case, &source, (alignment, back, ms));
         }
     }
+    pool.install(|| turned_pairs(&data, &words));
+}
+
+/// Pairs of bunny scans whose source was turned at random, from nothing.
+fn turned_pairs(data: &Path, words: &[String]) {
+    let known = cases(&data.join("pairs/icp.csv"));
+    let truth = |name: &str| {
+        let case = known.iter().find(|case| case.name.starts_with(name));
+        case.expect("the pair is in the list").truth
+    };
+    let across = truth("bun315-bun000").inverse() * truth("bun045-bun000");
+    let mut all: Vec<(&str, Pose)> =
+        ["bun045-bun000", "bun315-bun000", "bun090-bun045", "chin-bun315"]
+            .iter()
+            .map(|name| (*name, truth(name)))
+            .collect();
+    all.push(("bun045-bun315", across));
+    for method in [Coarse::Auto, Coarse::FpfhRansac, Coarse::FpfhGnc] {
+        let (mut n_right, mut n_all, mut slowest) = (0, 0, 0.0_f64);
+        for (pair, truth) in &all {
+            for seed in 1..=3 {
+                let name = format!("coarse {method:?} {pair} turn {seed}");
+                if !words.is_empty() && !words.iter().any(|word| name.contains(word.as_str())) {
+                    continue;
+                }
+                let [source, target] = sides(data, pair).map(|path| read(&path));
+                let turn = any_turn(seed);
+                let source = PointCloud {
+                    points: source.points.iter().map(|point| turn * point).collect(),
+                    ..PointCloud::default()
+                };
+                let options = CoarseOptions { coarse: Some(method), ..CoarseOptions::default() };
+                let fine = IcpOptions { voxel: Some(1.0), ..IcpOptions::default() };
+                let start = Instant::now();
+                let found = coarse::align(&source, &target, None, (&options, &fine), &Silent);
+                let ms = start.elapsed().as_secs_f64() * 1e3;
+                let found = found.expect("it runs");
+                let pose = found.alignment.target_from_source;
+                let off = off(&pose, &(truth * turn.inverse()), &source.points);
+                n_all += 1;
+                n_right += u32::from(off < 1.0);
+                slowest = slowest.max(ms);
+                println!(
+                    "{name:44} {off:8.3} mm {ms:7.1} ms {} from {}, fit {:.3}, {:?}",
+                    found.alignment.verdict, found.started_from, found.fit, found.support
+                );
+            }
+        }
+        println!(
+            "coarse {method:?}: {n_right} of {n_all} below 1 mm, the slowest in {slowest:.0} ms"
+        );
+    }
+}
+
+/// A turn of all, each as likely.
+fn any_turn(seed: u64) -> Pose {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let mut normal = || (0..12).map(|_| random.random_range(0.0..1.0)).sum::<f64>() - 6.0;
+    let turn = nalgebra::Quaternion::new(normal(), normal(), normal(), normal());
+    Pose::from_parts(
+        nalgebra::Translation3::identity(),
+        nalgebra::UnitQuaternion::from_quaternion(turn),
+    )
 }
 
 fn report(

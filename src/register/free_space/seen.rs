@@ -21,8 +21,8 @@ const MARGIN: f64 = 0.5;
 /// `step`th pixel.
 ///
 /// The verdict also heeds free space. Readings that hang where the other camera looked through make
-/// the pose doubtful. A motion that the surfaces hold too weakly is held all the same if, along it,
-/// edges would come to hang there.
+/// the pose doubtful. A motion that the surfaces hold too weakly is held all the same if, had it
+/// happened as far as it may, they would hang there.
 pub fn align_seen(
     [source, target]: [Seen; 2],
     target_from_source: &Pose,
@@ -54,7 +54,7 @@ pub fn align_seen(
             for motion in motions {
                 for way in [-1.0, 1.0] {
                     let moved = shifted(motion, way * open, lever) * alignment.target_from_source;
-                    is_held &= look(&moved)?.share() > share + SOME;
+                    is_held &= look(&moved)?.share() > SOME;
                 }
             }
             if is_held {
@@ -146,7 +146,7 @@ mod tests {
         // The board went to the right with the camera: walls, nearly flat, say there was no motion.
         let (source, target) = (frame(0.0, 4.0, true), frame(0.0, 4.0, false));
         let (found, space) = run(&source, &target, &Pose::identity(), Pairing::KdTree);
-        assert!(space.share() > 0.05, "{space:?}");
+        assert!(space.share() > 0.03, "{space:?}");
         let seen_through = |reason: &Reason| matches!(reason, Reason::SeenThrough { .. });
         assert!(found.reasons.iter().any(seen_through), "{:?}", found.reasons);
         assert_ne!(found.verdict, Verdict::Ok);
