@@ -1,9 +1,11 @@
 //! Registration: the motion that lays one view of a part over another, and how far a trajectory is
 //! off.
 //!
-//! [`icp`] refines a pose that is roughly known; [`align`] is the closed form for paired points.
+//! [`icp`] refines a pose that is roughly known, [`dense`] follows a camera by all that its frames show;
+//! [`align`] is the closed form for paired points.
 
 mod align;
+pub mod dense;
 pub mod icp;
 mod odometry_error;
 mod statistics;
