@@ -88,7 +88,7 @@ pub(super) fn judge(
         reasons: Vec::new(),
         n_iterations: descent.n_iterations,
         converged: descent.converged,
-        overlap: seen.n / points.n_points.max(1) as f64,
+        overlap: seen.n / points.count.max(1) as f64,
         correlation: seen.correlation,
         grey_sigma,
         depth_sigma: with_depth.then(|| near_sigma * points.depth.powi(2)),
@@ -98,7 +98,7 @@ pub(super) fn judge(
         information: information(&descent.batches, &descent.noise, focal) / ALIKE,
         depth: points.depth,
     };
-    motion.reasons = reasons(&motion, points.n_points, descent.last_step);
+    motion.reasons = reasons(&motion, points.count, descent.last_step);
     let verdicts = motion.reasons.iter().map(DenseReason::verdict);
     motion.verdict = verdicts.max().unwrap_or(Verdict::Ok);
     motion

@@ -141,18 +141,17 @@ fn of_batch(batch: &Batch, white: &Whitening) -> [f64; ENTRIES] {
                     weighted[k][lane] = weights[lane] * row[k][lane];
                 }
             }
-            let mut i_entry = 0;
-            for a in 0..6 {
-                for b in 0..=a {
+            let mut sums = sums.iter_mut();
+            for (a, weighted) in weighted.iter().enumerate() {
+                for (row, sum) in row[..=a].iter().zip(&mut sums) {
                     for lane in 0..LANES {
-                        sums[i_entry][lane] += weighted[a][lane] * row[b][lane];
+                        sum[lane] += weighted[lane] * row[lane];
                     }
-                    i_entry += 1;
                 }
             }
-            for a in 0..6 {
+            for (weighted, sum) in weighted.iter().zip(&mut sums) {
                 for lane in 0..LANES {
-                    sums[21 + a][lane] += weighted[a][lane] * residual[lane];
+                    sum[lane] += weighted[lane] * residual[lane];
                 }
             }
         }

@@ -11,7 +11,7 @@ pub(super) const BATCH: usize = 256;
 #[derive(Debug, Clone)]
 pub(super) struct Points {
     pub(super) batches: Vec<PointBatch>,
-    pub(super) n_points: usize,
+    pub(super) count: usize,
     /// Median depth [mm]: it makes turns and shifts comparable.
     pub(super) depth: f64,
 }
@@ -67,12 +67,13 @@ impl Points {
         };
         let mut depths: Vec<f32> = points.iter().map(|p| p[2]).collect();
         let middle = depths.len() / 2;
-        let depth = match depths.is_empty() {
-            true => 1000.0,
-            false => f64::from(*depths.select_nth_unstable_by(middle, f32::total_cmp).1),
+        let depth = if depths.is_empty() {
+            1000.0
+        } else {
+            f64::from(*depths.select_nth_unstable_by(middle, f32::total_cmp).1)
         };
         let batches = points.chunks(BATCH).map(batch).collect();
-        Self { batches, n_points: points.len(), depth }
+        Self { batches, count: points.len(), depth }
     }
 }
 
@@ -106,7 +107,7 @@ mod tests {
     fn every_square_gives_the_pixel_where_brightness_changes_most() {
         let level = level(&Image::filled(40, 32, 500.0));
         let points = Points::chosen(&level, 80);
-        assert_eq!(points.n_points, 80);
+        assert_eq!(points.count, 80);
         assert!((points.depth - 500.0).abs() < 1e-3, "rounding of its inverse: {}", points.depth);
         let pixels: Vec<[f64; 2]> = (0..80)
             .map(|i| {
@@ -117,7 +118,7 @@ mod tests {
             .collect();
         let at_edge = pixels.iter().filter(|p| (p[0] - 12.5).abs() < 1.0).count();
         assert_eq!(at_edge, 8, "one for each row of squares: {pixels:?}");
-        assert_eq!(Points::chosen(&level, 1 << 20).n_points, 38 * 30, "all but the rim");
+        assert_eq!(Points::chosen(&level, 1 << 20).count, 38 * 30, "all but the rim");
     }
 
     #[test]
@@ -126,7 +127,7 @@ mod tests {
         let mut depth = Image::new(40, 32, pixels.collect()).unwrap();
         depth[(5, 5)] = 0.0;
         let points = Points::chosen(&level(&depth), 1 << 20);
-        assert_eq!(points.n_points, 38 * 30 - 2 * 30 - 9);
-        assert_eq!(Points::chosen(&level(&Image::filled(40, 32, 0.0)), 99).n_points, 0);
+        assert_eq!(points.count, 38 * 30 - 2 * 30 - 9);
+        assert_eq!(Points::chosen(&level(&Image::filled(40, 32, 0.0)), 99).count, 0);
     }
 }

@@ -4,8 +4,7 @@
 //! the distance to what it sees. So what is new in a frame is, roughly, where the camera looks. After Klein
 //! and Murray, *Improving the agility of keyframe-based SLAM* (2008), with all turns instead of a descent.
 
-use super::pyramid::Pyramid;
-use super::pyramid::{GREY, Level, NEAR};
+use super::pyramid::{GREY, Level, NEAR, Pyramid};
 use super::warp::Lens;
 use crate::geom::{Matrix3, Pose, Vector3};
 use nalgebra::UnitQuaternion;
@@ -123,7 +122,9 @@ impl Correlation {
         let n = f64::from(self.n);
         let [a, b, aa, bb, ab] = self.sums.map(|sum| f64::from(sum) / n.max(1.0));
         let spread = ((aa - a * a) * (bb - b * b)).sqrt();
-        if self.n < 4.0 || !(spread > 1e-9) {
+        // A comparison that NaN fails.
+        let is_told = self.n >= 4.0 && spread > 1e-9;
+        if !is_told {
             return 0.0;
         }
         ((ab - a * b) / spread).clamp(-0.99, 0.99).atanh() * (n - 3.0).sqrt()

@@ -70,12 +70,11 @@ pub fn track_frames(
             }
             Err(error) => return Err(error),
         };
-        let (role, motion) = match &mut tracker {
-            Some(tracker) => tracker.follow(next, options)?,
-            None => {
-                tracker = Some(Tracker::at(next));
-                (FrameRole::First, None)
-            }
+        let (role, motion) = if let Some(tracker) = &mut tracker {
+            tracker.follow(next, options)?
+        } else {
+            tracker = Some(Tracker::at(next));
+            (FrameRole::First, None)
         };
         if role != FrameRole::Skipped
             && let Some(tracker) = &tracker
