@@ -1,10 +1,12 @@
 //! Registration: the motion that lays one view of a part over another, and how far a trajectory is
 //! off.
 //!
-//! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known; [`align`] is the closed form for paired points.
+//! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known, [`dense`] follows
+//! a camera by all that its frames show; [`align`] is the closed form for paired points.
 
 mod align;
 pub mod coarse;
+pub mod dense;
 mod free_space;
 pub mod icp;
 mod odometry_error;

@@ -52,7 +52,7 @@ impl fmt::Display for FreeMotion {
 /// The motions spanned by `directions`, taken apart: pure shifts, then turns about their axes.
 ///
 /// Each direction is a unit step, turn times `lever` before shift, about `pivot`.
-pub(super) fn free_motions(
+pub(in crate::register) fn free_motions(
     directions: &[Vector6<f64>],
     lever: f64,
     pivot: &Point3,

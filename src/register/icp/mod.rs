@@ -27,6 +27,7 @@ mod view;
 mod weigh;
 
 pub use error::{IcpError, Role};
+pub(super) use freedom::free_motions;
 pub use freedom::{FreeMotion, MotionKind};
 pub use judge::Alignment;
 pub use options::{Directions, IcpOptions, Kernel, Metric, Pairing, Sampling, Weighting};
@@ -41,7 +42,8 @@ use cost::{Cost, Motion};
 use judge::Course;
 use pair::{Pair, Pairs};
 use reject::reject;
-use step::{step, taken};
+use step::step;
+pub(super) use step::{solve, taken};
 use weigh::{colour_scale, robust, weigh};
 
 /// Fewer pairs fix no pose.

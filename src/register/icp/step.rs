@@ -1,9 +1,9 @@
 //! A step downhill: Gauss-Newton, damped (Levenberg-Marquardt) where it would go uphill.
 
-use super::cost::{Cost, Motion, Normal};
+use super::cost::{Cost, Motion};
 use super::pair::Pair;
 use crate::geom::{Pose, Vector3};
-use nalgebra::{SymmetricEigen, UnitQuaternion, Vector6};
+use nalgebra::{Matrix6, SymmetricEigen, UnitQuaternion, Vector6};
 
 /// The first damping, as a share of the greatest eigenvalue.
 const DAMPING: f64 = 1e-4;
@@ -21,7 +21,7 @@ pub(super) fn step(cost: &Cost, pairs: &[Pair], pose: &Pose, radius: f64) -> Opt
     let normal = cost.normal(&Motion::from(pose), pairs);
     let mut damping = 0.0;
     for _ in 0..TRIES {
-        let step = solve(&normal, damping, radius);
+        let step = solve(&normal.h, &normal.g, damping, radius);
         let sum = cost.sum(&Motion::from(&taken(pose, &step)), pairs);
         if sum <= normal.cost * (1.0 + ROUNDING) {
             return Some(step);
@@ -32,7 +32,7 @@ pub(super) fn step(cost: &Cost, pairs: &[Pair], pose: &Pose, radius: f64) -> Opt
 }
 
 /// The pose after a step from the left: `x' = exp(w) x + v`.
-pub(super) fn taken(pose: &Pose, step: &Vector6<f64>) -> Pose {
+pub(in crate::register) fn taken(pose: &Pose, step: &Vector6<f64>) -> Pose {
     let turn = Vector3::new(step[0], step[1], step[2]);
     let shift = Vector3::new(step[3], step[4], step[5]);
     let next = Pose::from_parts(shift.into(), UnitQuaternion::from_scaled_axis(turn)) * pose;
@@ -40,17 +40,24 @@ pub(super) fn taken(pose: &Pose, step: &Vector6<f64>) -> Pose {
     Pose::from_parts(next.translation, UnitQuaternion::new_normalize(next.rotation.into_inner()))
 }
 
-/// The damped solution of the normal equations; nothing is done where they say nothing.
-fn solve(normal: &Normal, damping: f64, radius: f64) -> Vector6<f64> {
+/// The damped solution of the normal equations `h x = -g`; nothing is done where they say nothing.
+///
+/// `radius` makes turns and shifts comparable.
+pub(in crate::register) fn solve(
+    h: &Matrix6<f64>,
+    g: &Vector6<f64>,
+    damping: f64,
+    radius: f64,
+) -> Vector6<f64> {
     let lever = 1.0 / radius;
     let scale = Vector6::new(lever, lever, lever, 1.0, 1.0, 1.0);
-    let mut h = normal.h;
+    let mut h = *h;
     for a in 0..6 {
         for b in 0..6 {
             h[(a, b)] *= scale[a] * scale[b];
         }
     }
-    let g = normal.g.component_mul(&scale);
+    let g = g.component_mul(&scale);
     let eigen = SymmetricEigen::new(h);
     let greatest = eigen.eigenvalues.max();
     let mut step = Vector6::zeros();
@@ -115,9 +122,9 @@ mod tests {
 
     #[test]
     fn what_nothing_holds_is_not_moved() {
-        let mut normal = Normal { h: nalgebra::Matrix6::zeros(), g: Vector6::zeros(), cost: 1.0 };
-        normal.h[(5, 5)] = 4.0;
-        normal.g[5] = -2.0;
-        assert_eq!(solve(&normal, 0.0, 10.0), Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.5));
+        let (mut h, mut g) = (Matrix6::zeros(), Vector6::zeros());
+        h[(5, 5)] = 4.0;
+        g[5] = -2.0;
+        assert_eq!(solve(&h, &g, 0.0, 10.0), Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.5));
     }
 }
