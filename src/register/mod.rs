@@ -2,9 +2,11 @@
 //! off.
 //!
 //! [`icp`] refines a pose that is roughly known; [`align`] is the closed form for paired points.
+//! [`odometry`] follows a camera from frame to frame.
 
 mod align;
 pub mod icp;
+pub mod odometry;
 mod odometry_error;
 mod statistics;
 

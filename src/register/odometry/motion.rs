@@ -1,0 +1,108 @@
+//! The motion between two frames, and what speaks against it.
+
+use super::OdometryOptions;
+use crate::geom::Pose;
+use crate::register::icp;
+use crate::register::icp::Verdict;
+use nalgebra::Matrix6;
+use std::fmt;
+
+/// The motion between two frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Takes points of the next camera's frame into the previous one's.
+    pub previous_from_next: Pose,
+    /// Whether it may be believed.
+    pub verdict: Verdict,
+    /// What speaks against it.
+    pub reasons: Vec<Doubt>,
+    /// Information of a small motion, turn [rad] before shift [mm], taken from the left about the
+    /// previous camera.
+    pub information: Matrix6<f64>,
+    /// The share of what the previous frame shows that the next one shows too.
+    pub overlap: f64,
+}
+
+/// What speaks against a motion.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Doubt {
+    /// A frame holds nothing to go by.
+    Unusable(String),
+    /// The surfaces say so.
+    Surface(icp::Reason),
+    /// The camera went farther than it can have.
+    WentFar {
+        /// Way from where it was expected [mm].
+        moved: f64,
+        /// Turn from where it was expected [deg].
+        turned_deg: f64,
+        /// What is allowed.
+        most: [f64; 2],
+    },
+}
+
+impl Motion {
+    /// A motion with what was found against it.
+    pub fn new(
+        previous_from_next: Pose,
+        reasons: Vec<Doubt>,
+        information: Matrix6<f64>,
+        overlap: f64,
+    ) -> Self {
+        let verdict = reasons.iter().map(Doubt::verdict).max().unwrap_or(Verdict::Ok);
+        Self { previous_from_next, verdict, reasons, information, overlap }
+    }
+
+    /// No motion that could be found.
+    pub fn failed(guess: &Pose, doubt: Doubt) -> Self {
+        let verdict = Verdict::Failed;
+        let information = Matrix6::zeros();
+        Self {
+            previous_from_next: *guess,
+            verdict,
+            reasons: vec![doubt],
+            information,
+            overlap: 0.0,
+        }
+    }
+
+    /// The same, failed if it leads farther from `guess` than a camera is moved between two frames.
+    #[must_use]
+    pub(super) fn within_bounds(mut self, guess: &Pose, options: &OdometryOptions) -> Self {
+        let off = guess.inverse() * self.previous_from_next;
+        let (moved, turned_deg) =
+            (off.translation.vector.norm(), off.rotation.angle().to_degrees());
+        let most = [options.most_moved, options.most_turned_deg];
+        // A comparison that NaN fails.
+        let is_within = moved <= most[0] && turned_deg <= most[1];
+        if !is_within {
+            self.reasons.push(Doubt::WentFar { moved, turned_deg, most });
+            self.verdict = Verdict::Failed;
+        }
+        self
+    }
+}
+
+impl Doubt {
+    /// How much it speaks against the motion.
+    pub fn verdict(&self) -> Verdict {
+        match self {
+            Self::Unusable(_) | Self::WentFar { .. } => Verdict::Failed,
+            Self::Surface(reason) => reason.verdict(),
+        }
+    }
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unusable(why) => f.write_str(why),
+            Self::Surface(reason) => reason.fmt(f),
+            Self::WentFar { moved, turned_deg, most: [way, turn] } => write!(
+                f,
+                "went too far: {moved:.0} mm and {turned_deg:.1} deg from where the camera was expected, \
+                 where {way:.0} mm and {turn:.0} deg are allowed"
+            ),
+        }
+    }
+}
