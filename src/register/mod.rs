@@ -5,9 +5,11 @@
 //! [`odometry`] follows a camera from frame to frame.
 
 mod align;
+pub mod features;
 pub mod icp;
 pub mod odometry;
 mod odometry_error;
+pub mod ransac;
 mod statistics;
 
 pub use align::align;

@@ -1,7 +1,8 @@
 //! A frame, and what the methods make of it.
 
-use crate::geom::PointCloud;
+use crate::geom::{Point3, PointCloud};
 use crate::progress::Silent;
+use crate::register::features::{FeatureOptions, Features};
 use crate::register::icp::{IcpError, Role, View, ViewOptions};
 use crate::rgbd::{Camera, Image, RgbdError, RgbdFrame, grey};
 use std::sync::OnceLock;
@@ -12,6 +13,9 @@ const VOXELS_DEEP: f64 = 75.0;
 const STEP: usize = 2;
 /// Beyond this many median depths a frame is mostly noise.
 const FAR: f32 = 3.0;
+/// Depths around a corner that differ by more than this share are of an edge: which side the corner is
+/// on cannot be told.
+const EDGE: f32 = 0.03;
 
 /// A frame with what the methods make of it, each made when first asked for.
 #[derive(Debug)]
@@ -25,6 +29,7 @@ pub struct Look {
     /// The median of its depths [mm].
     pub median_depth: f64,
     grey: OnceLock<Option<Image<f32>>>,
+    features: OnceLock<Option<Features>>,
     surface: OnceLock<Result<Surface, IcpError>>,
 }
 
@@ -44,13 +49,35 @@ impl Look {
         frame.check_depth()?;
         let median_depth = f64::from(median(&frame));
         let voxel = voxel.unwrap_or(median_depth / VOXELS_DEEP);
-        let (grey, surface) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { frame, camera, voxel, median_depth, grey, surface })
+        let (grey, features, surface) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Ok(Self { frame, camera, voxel, median_depth, grey, features, surface })
     }
 
     /// How bright it is, 0 to 1; `None` without colours.
     pub fn grey(&self) -> Option<&Image<f32>> {
         self.grey.get_or_init(|| self.frame.color.as_ref().map(grey)).as_ref()
+    }
+
+    /// Its visual features; `None` without colours.
+    pub fn features(&self) -> Option<&Features> {
+        let find = || Some(Features::of(self.grey()?, &FeatureOptions::default()));
+        self.features.get_or_init(find).as_ref()
+    }
+
+    /// The point seen at `pixel`, in the camera's frame; `None` where there is no depth, or an edge.
+    pub(super) fn place(&self, pixel: [f64; 2]) -> Option<Point3> {
+        let [x, y] = pixel.map(|c| c.round().max(0.0) as usize);
+        let depth = &self.frame.depth;
+        let own = depth.get(x, y).copied().filter(|own| *own > 0.0)?;
+        let near = |c: usize| c.saturating_sub(1)..=c + 1;
+        let around = || near(y).flat_map(|y| near(x).filter_map(move |x| depth.get(x, y)));
+        let readings = || around().copied().filter(|other| *other > 0.0);
+        if readings().any(|other| (other - own).abs() > EDGE * own) {
+            return None;
+        }
+        let (sum, n) =
+            readings().fold((0.0, 0.0), |(sum, n), other| (sum + f64::from(other), n + 1.0));
+        Some(self.camera.unproject(pixel, sum / n))
     }
 
     /// Its surface, ready to be laid over another.

@@ -1,11 +1,17 @@
 //! The motion between two frames, and what speaks against it.
 
-use super::OdometryOptions;
+use super::agreement::agreement;
+use super::{Look, OdometryOptions};
 use crate::geom::Pose;
 use crate::register::icp;
 use crate::register::icp::Verdict;
 use nalgebra::Matrix6;
 use std::fmt;
+
+/// The share of a picture that a camera may seem to have looked through: edges, and noise.
+const MOST_SEEN_THROUGH: f64 = 0.2;
+/// Fewer features that agree are chance.
+pub(super) const FEW: usize = 12;
 
 /// The motion between two frames.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +36,36 @@ pub enum Doubt {
     Unusable(String),
     /// The surfaces say so.
     Surface(icp::Reason),
+    /// Hardly a feature agrees.
+    FewInliers {
+        /// Those that agree.
+        n: usize,
+        /// All that matched.
+        of: usize,
+        /// How many must.
+        least: usize,
+    },
+    /// The features that agree leave too much open.
+    Open {
+        /// Of where the camera is, three standard deviations [mm].
+        moved: f64,
+        /// Of how it is turned, three standard deviations [deg].
+        turned_deg: f64,
+    },
+    /// One half of the features says something else than the other.
+    Unsteady {
+        /// By a way [mm].
+        moved: f64,
+        /// And a turn [deg].
+        turned_deg: f64,
+    },
+    /// Laid over each other, the frames have hardly a point in common.
+    Apart,
+    /// One camera would have looked through what the other saw.
+    SeenThrough {
+        /// This share of what is in both pictures.
+        share: f64,
+    },
     /// The camera went farther than it can have.
     WentFar {
         /// Way from where it was expected [mm].
@@ -83,11 +119,36 @@ impl Motion {
     }
 }
 
+impl Motion {
+    /// The same, with what laying the frames over each other says.
+    #[must_use]
+    pub(super) fn seen_in(mut self, previous: &Look, next: &Look) -> Self {
+        if self.verdict == Verdict::Failed {
+            return self;
+        }
+        match agreement(previous, next, &self.previous_from_next) {
+            None => self.reasons.push(Doubt::Apart),
+            Some(seen) => {
+                self.overlap = seen.overlap[0];
+                if seen.seen_through > MOST_SEEN_THROUGH {
+                    self.reasons.push(Doubt::SeenThrough { share: seen.seen_through });
+                }
+            }
+        }
+        Self::new(self.previous_from_next, self.reasons, self.information, self.overlap)
+    }
+}
+
 impl Doubt {
     /// How much it speaks against the motion.
     pub fn verdict(&self) -> Verdict {
         match self {
-            Self::Unusable(_) | Self::WentFar { .. } => Verdict::Failed,
+            Self::Unusable(_) | Self::WentFar { .. } | Self::Apart => Verdict::Failed,
+            Self::FewInliers { n, .. } if *n < FEW => Verdict::Failed,
+            Self::FewInliers { .. }
+            | Self::Open { .. }
+            | Self::Unsteady { .. }
+            | Self::SeenThrough { .. } => Verdict::Doubtful,
             Self::Surface(reason) => reason.verdict(),
         }
     }
@@ -98,6 +159,25 @@ impl fmt::Display for Doubt {
         match self {
             Self::Unusable(why) => f.write_str(why),
             Self::Surface(reason) => reason.fmt(f),
+            Self::FewInliers { n, of, least } => {
+                write!(f, "{n} of {of} matched features agree; {least} must")
+            }
+            Self::Open { moved, turned_deg } => write!(
+                f,
+                "the features that agree leave {moved:.0} mm and {turned_deg:.2} deg open"
+            ),
+            Self::Unsteady { moved, turned_deg } => write!(
+                f,
+                "half of the features differ from the other half by {moved:.0} mm and {turned_deg:.2} deg"
+            ),
+            Self::Apart => {
+                f.write_str("laid over each other, the frames have hardly a point in common")
+            }
+            Self::SeenThrough { share } => write!(
+                f,
+                "one camera would have looked through {:.0} % of what the other saw",
+                100.0 * share
+            ),
             Self::WentFar { moved, turned_deg, most: [way, turn] } => write!(
                 f,
                 "went too far: {moved:.0} mm and {turned_deg:.1} deg from where the camera was expected, \

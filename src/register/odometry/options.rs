@@ -33,6 +33,10 @@ pub struct OdometryOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
+    /// Features: corners found again, and what most of them agree on.
+    Visual,
+    /// Features, then surfaces where the pictures agree better for it.
+    VisualIcp,
     /// Surfaces laid over each other.
     Icp,
 }
@@ -58,7 +62,7 @@ pub enum OdometryError {
 impl Default for OdometryOptions {
     fn default() -> Self {
         Self {
-            method: Method::Icp,
+            method: Method::Visual,
             icp_voxel: None,
             key_overlap: 0.7,
             most_moved: 400.0,
