@@ -124,7 +124,7 @@ fn agreeing<M: Model>(model: &M, hypothesis: &M::Hypothesis) -> Vec<usize> {
 /// Tries after which a sample of inliers alone has been missed with the probability `miss`.
 fn needed(n_inliers: usize, n: usize, sample: usize, miss: f64) -> usize {
     let share = n_inliers as f64 / n as f64;
-    let all_good = share.powi(sample as i32);
+    let all_good = share.powf(sample as f64);
     if all_good >= 1.0 {
         return 1;
     }

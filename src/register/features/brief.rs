@@ -90,7 +90,9 @@ mod tests {
     fn a_brighter_picture_has_the_same_descriptor_and_its_negative_the_opposite() {
         let noise = Image::from_rows(64, 64, 0.0_f32, |y, row| {
             let mut random = Pcg64Mcg::seed_from_u64(y as u64);
-            row.iter_mut().for_each(|pixel| *pixel = random.random_range(0.0..1.0));
+            for pixel in row {
+                *pixel = random.random_range(0.0..1.0);
+            }
         });
         let corner = [Corner { at: [32.0, 32.0], strength: 9 }];
         let of = |image: &Image<f32>| describe(image, &corner)[0];

@@ -59,8 +59,9 @@ pub(super) fn corners(image: &Image<u8>, options: &FeatureOptions, border: usize
     // One more on every side, so that maxima are told at the border too.
     let strengths = Image::from_rows(width, height, 0, |y, row| {
         if (border - 1..=height - border).contains(&y) {
-            for x in border - 1..=width - border {
-                row[x] = strength(image, x, y, options.contrast);
+            let inner = row.iter_mut().enumerate().take(width - border + 1).skip(border - 1);
+            for (x, pixel) in inner {
+                *pixel = strength(image, x, y, options.contrast);
             }
         }
     });

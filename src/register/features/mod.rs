@@ -43,7 +43,8 @@ impl Features {
     /// The features of a picture whose brightness runs from 0 to 1.
     pub fn of(grey: &Image<f32>, options: &FeatureOptions) -> Self {
         let bytes = grey.map(|value| (value * 255.0).round().clamp(0.0, 255.0) as u8);
-        let corners = fast::corners(&bytes, options, brief::REACH);
+        // One pixel more: a corner between pixels may be nearest to the next one out.
+        let corners = fast::corners(&bytes, options, brief::REACH + 1);
         let descriptors = brief::describe(grey, &corners);
         Self { corners, descriptors }
     }

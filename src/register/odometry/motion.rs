@@ -9,7 +9,7 @@ use nalgebra::Matrix6;
 use std::fmt;
 
 /// The share of a picture that a camera may seem to have looked through: edges, and noise.
-const MOST_SEEN_THROUGH: f64 = 0.2;
+const MOST_SEEN_THROUGH: f64 = 0.1;
 /// Fewer features that agree are chance.
 pub(super) const FEW: usize = 12;
 

@@ -64,7 +64,7 @@ impl Default for OdometryOptions {
         Self {
             method: Method::Visual,
             icp_voxel: None,
-            key_overlap: 0.7,
+            key_overlap: 0.85,
             most_moved: 400.0,
             most_turned_deg: 30.0,
             seed: 1,

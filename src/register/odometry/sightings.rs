@@ -9,27 +9,21 @@ use crate::geom::{Point3, Pose, Vector3};
 use crate::register::align;
 use crate::register::features::{Match, MatchOptions, matches};
 use crate::register::ransac::Model;
-use nalgebra::{Matrix6, UnitQuaternion, Vector6};
+use nalgebra::{Matrix6, Vector6};
 
 /// How exactly a corner is found again [px].
 const SIGMA_PX: f64 = 1.0;
 /// How exact inverse depth is [1/mm]: three times the noise of a Kinect, whose depth is not of the
 /// same moment as its colour.
 const SIGMA_INVERSE: f64 = 4.5e-6;
-/// What squared residuals of a sighting may add up to, in standard deviations.
-const LIMIT: f64 = 9.0;
-/// Steps of a refinement at most.
-const MOST_STEPS: usize = 12;
-/// A step is small that turns less [rad], and shifts less per median depth.
-const STILL: f64 = 1e-7;
-
+/// What squared residuals of a sighting may add up to, in standard deviations: six, because a rolling
+/// shutter and late depth bend a picture by more than noise does.
+const LIMIT: f64 = 36.0;
 /// A feature that both frames see.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sighting {
     /// Where, in the previous and in the next camera's frame [mm].
     pub(super) points: [Point3; 2],
-    /// Where in the previous picture [px].
-    pub(super) pixel: [f64; 2],
 }
 
 /// All of them.
@@ -55,40 +49,33 @@ impl Sightings {
         let sighting = |found: &Match| {
             let point = previous.place(before.corners[found.first].at)?;
             let twin = next.place(after.corners[found.second].at)?;
-            Some(Sighting { points: [point, twin], pixel: before.corners[found.first].at })
+            Some(Sighting { points: [point, twin] })
         };
         let all = found.iter().filter_map(sighting).collect();
         let focal = (previous.camera.fx * previous.camera.fy).sqrt();
         Some(Self { all, n_matches: found.len(), focal })
     }
 
-    /// The motion near `start` that explains `some` best, each weighed by how well it fits.
-    pub(super) fn refined(&self, start: &Pose, some: &[usize]) -> Option<Pose> {
-        let mut pose = *start;
-        for _ in 0..MOST_STEPS {
-            let (h, g, _) = self.normal(&pose, some);
-            let step = -h.cholesky()?.solve(&g);
-            pose = moved(&step, &pose);
-            let scale = 1.0 / SIGMA_INVERSE.sqrt();
-            if step.fixed_rows::<3>(0).norm() < STILL
-                && step.fixed_rows::<3>(3).norm() < STILL * scale
-            {
-                break;
-            }
-        }
+    /// The motion that lays the points of `some` over each other, all counting the same.
+    ///
+    /// Weighed by what the sensor is good for, trajectories of real sequences came out worse: what is off most is
+    /// that depth and colour are not of the same moment, and that grows with speed and not with depth.
+    pub(super) fn fitted(&self, some: &[usize]) -> Option<Pose> {
+        let of = |k: usize| some.iter().map(|&i| self.all[i].points[k]).collect::<Vec<Point3>>();
+        let pose = align(&of(1), &of(0));
         pose.to_homogeneous().iter().all(|x| x.is_finite()).then_some(pose)
     }
 
     /// What `some` say about a small motion from the left of `pose`, by how well they agree.
     pub(super) fn information(&self, pose: &Pose, some: &[usize]) -> Matrix6<f64> {
-        let (h, _, variance) = self.normal(pose, some);
+        let (h, variance) = self.normal(pose, some);
         // Both directions see the same two corners: that is one observation, not two.
         h / (2.0 * variance.max(0.1))
     }
 
-    /// The normal equations, and the weighted mean of a residual's square.
-    fn normal(&self, pose: &Pose, some: &[usize]) -> (Matrix6<f64>, Vector6<f64>, f64) {
-        let (mut h, mut g) = (Matrix6::zeros(), Vector6::zeros());
+    /// The matrix of the normal equations, and the weighted mean of a residual's square.
+    fn normal(&self, pose: &Pose, some: &[usize]) -> (Matrix6<f64>, f64) {
+        let mut h = Matrix6::zeros();
         let (mut squares, mut total) = (0.0, 0.0);
         for &i in some {
             let Some(rows) = self.rows(pose, &self.all[i]) else { continue };
@@ -96,12 +83,11 @@ impl Sightings {
             let weight = (1.0 - square / (2.0 * LIMIT)).max(0.0).powi(2);
             for row in &rows {
                 h += row.by_step * row.by_step.transpose() * weight;
-                g += row.by_step * (row.value * weight);
             }
             squares += weight * square;
             total += weight * 3.0;
         }
-        (h, g, squares / total.max(1e-12))
+        (h, squares / total.max(1e-12))
     }
 
     /// The residuals of a sighting in both pictures; `None` if it comes to lie behind a camera.
@@ -176,22 +162,23 @@ impl Model for Sightings {
         (one(&(pose * after), before) + one(&back, after)) / (2.0 * LIMIT)
     }
 
-    fn refit(&self, pose: &Pose, inliers: &[usize]) -> Option<Pose> {
-        self.refined(pose, inliers)
+    fn refit(&self, _pose: &Pose, inliers: &[usize]) -> Option<Pose> {
+        self.fitted(inliers)
     }
-}
-
-/// A pose after a small step from the left: a turn and a shift.
-fn moved(step: &Vector6<f64>, pose: &Pose) -> Pose {
-    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(step[0], step[1], step[2]));
-    let shift = turn * pose.translation.vector + Vector3::new(step[3], step[4], step[5]);
-    Pose::from_parts(shift.into(), turn * pose.rotation)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::register::ransac::{RansacOptions, ransac};
+    use nalgebra::UnitQuaternion;
+
+    /// A pose after a small step from the left: a turn and a shift.
+    fn moved(step: &Vector6<f64>, pose: &Pose) -> Pose {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(step[0], step[1], step[2]));
+        let shift = turn * pose.translation.vector + Vector3::new(step[3], step[4], step[5]);
+        Pose::from_parts(shift.into(), turn * pose.rotation)
+    }
 
     /// Points before a camera, and where they come to lie; the last `n_wrong` of them anywhere.
     fn sightings(pose: &Pose, n: usize, n_wrong: usize) -> Sightings {
@@ -202,7 +189,7 @@ mod tests {
         let sighting = |i: usize| {
             let after = place(i, 29);
             let before = if i + n_wrong < n { pose * after } else { place(i, 53) };
-            Sighting { points: [before, after], pixel: [0.0, 0.0] }
+            Sighting { points: [before, after] }
         };
         Sightings { all: (0..n).map(sighting).collect(), n_matches: n, focal: 525.0 }
     }

@@ -100,7 +100,7 @@ fn judged(seen: &Sightings, found: &Consensus<Pose>) -> Motion {
     }
     let halves = [0, 1].map(|k| {
         let half: Vec<usize> = inliers.iter().copied().skip(k).step_by(2).collect();
-        seen.refined(pose, &half)
+        seen.fitted(&half)
     });
     let apart = match halves {
         [Some(one), Some(other)] => between(&one, &other),
