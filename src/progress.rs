@@ -12,6 +12,9 @@ pub trait Progress: Sync {
 
     /// `n_units` more units are done; an error asks the caller to stop.
     fn advance(&self, n_units: u64) -> Result<(), Cancelled>;
+
+    /// How the stage goes, in a few words that replace those before.
+    fn tell(&self, _words: &str) {}
 }
 
 /// Reports to nobody and never stops.

@@ -2,14 +2,18 @@
 //! off.
 //!
 //! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known, [`dense`] follows
-//! a camera by all that its frames show; [`align`] is the closed form for paired points.
+//! a camera by all that its frames show, [`odometry`] from frame to frame by one method or another;
+//! [`align`] is the closed form for paired points.
 
 mod align;
 pub mod coarse;
 pub mod dense;
+pub mod features;
 mod free_space;
 pub mod icp;
+pub mod odometry;
 mod odometry_error;
+pub mod ransac;
 mod statistics;
 
 pub use align::align;

@@ -3,5 +3,6 @@
 pub mod cam;
 pub mod evaluate;
 pub mod register;
+pub mod scan;
 pub mod simulate_scan;
 pub mod verify;

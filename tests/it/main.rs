@@ -39,6 +39,7 @@ mod rgbd;
 mod rough_and_finish;
 mod roughing;
 mod rs274;
+mod scan;
 mod schedule;
 mod shapes;
 mod simulate_scan;

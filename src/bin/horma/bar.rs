@@ -4,7 +4,7 @@ use crate::interrupt::{self, Listening};
 use horma::progress::{Cancelled, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-const TEMPLATE: &str = "{msg:<24} {wide_bar} {percent:>3}% {eta:>4}";
+const TEMPLATE: &str = "{msg:<24} {wide_bar} {percent:>3}% {eta:>4} {prefix}";
 
 /// One bar, restarted by every stage; while it lives, Ctrl-C is a request to stop.
 pub(crate) struct Bar {
@@ -36,11 +36,16 @@ impl Progress for Bar {
         self.bar.reset();
         self.bar.set_length(n_units);
         self.bar.set_message(stage.to_owned());
+        self.bar.set_prefix("");
     }
 
     fn advance(&self, n_units: u64) -> Result<(), Cancelled> {
         self.bar.inc(n_units);
         if interrupt::requested() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    fn tell(&self, words: &str) {
+        self.bar.set_prefix(words.to_owned());
     }
 }
 

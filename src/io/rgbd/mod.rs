@@ -17,5 +17,5 @@ pub use contact::contact_sheet;
 pub use picture::{read_color, read_depth, read_numbers};
 pub use scan_folder::ScanFolder;
 pub use sequence::{FrameFiles, Sequence, open_sequence};
-pub use trajectory::{read_trajectory, write_trajectory};
+pub use trajectory::{read_trajectory, trajectory_text, write_trajectory};
 pub use view::{View, read_view};

@@ -26,6 +26,14 @@ pub fn write_trajectory(
     write_file(path, overwrite, |out| write(out, trajectory))
 }
 
+/// `trajectory` in the TUM format.
+pub fn trajectory_text(trajectory: &CameraTrajectory) -> String {
+    let mut text = Vec::new();
+    // Memory takes all that is written, and it is all ASCII.
+    let _ = write(&mut text, trajectory);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
 pub(super) fn write(out: &mut dyn Write, trajectory: &CameraTrajectory) -> std::io::Result<()> {
     writeln!(
         out,

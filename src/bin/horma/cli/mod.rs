@@ -14,6 +14,7 @@ mod machine;
 mod register;
 mod restart;
 mod rough;
+mod scan;
 mod shell;
 mod simulate_scan;
 mod simulated;
@@ -74,6 +75,7 @@ enum Command {
     SimulateScan(Box<simulate_scan::SimulateScanArgs>),
     Evaluate(evaluate::EvaluateArgs),
     Register(Box<register::RegisterArgs>),
+    Scan(Box<scan::ScanArgs>),
     Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
@@ -99,6 +101,7 @@ impl Cli {
             Command::Restart(args) => restart::run(args, &self.shell),
             Command::SimulateScan(args) => simulate_scan::run(args, &self.shell),
             Command::Evaluate(args) => evaluate::run(args, &self.shell),
+            Command::Scan(args) => scan::run(args, &self.shell),
             Command::Register(args) => register::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),

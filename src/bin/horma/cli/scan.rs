@@ -1,0 +1,166 @@
+//! `horma scan`: from the frames of a depth camera to one cloud.
+
+use super::Shell;
+use super::table::listed;
+use anyhow::{Context, bail};
+use clap::Args;
+use horma::geom::{PointCloud, Surface};
+use horma::io::report::{html, scan_page};
+use horma::io::rgbd::{open_sequence, read_camera, trajectory_text};
+use horma::io::{OutputSet, Overwrite};
+use horma::register::icp::Verdict;
+use horma::workflow::scan::{ScanJob, ScanOptions, ScanReport, Scanned, scan};
+use std::path::{Path, PathBuf};
+
+/// Follow a depth camera frame by frame, and make one cloud of what it saw.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The input is a folder as the TUM RGB-D benchmark has them (rgb.txt, depth.txt), or with pictures in
+depth/ and color/. The cloud is in the frame of the first camera, in millimetres. Frames that cannot be
+read or placed are skipped, and the report says why; if that are most, nothing is written and the exit
+code is 65. Where the folder has a groundtruth.txt, the report says how far the scan is off it.
+
+For example:
+  horma scan walk -o part.ply
+  horma scan walk -o part.ply --trajectory went.txt --report scan.html
+  horma scan rgbd_dataset_freiburg1_rpy --camera freiburg1 --method visual-icp --voxel 8 -o desk.ply"
+)]
+pub(crate) struct ScanArgs {
+    /// The folder with the frames.
+    input: PathBuf,
+    /// Where the cloud goes: .ply, .obj, .glb, .xyz or .csv.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// Write where the camera went, in the format of the TUM benchmark.
+    #[arg(long, value_name = "FILE")]
+    trajectory: Option<PathBuf>,
+    /// Write a page with the way of the camera and what was skipped.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// The camera: kinect, freiburg1, or a camera.toml [default: the folder's camera.toml].
+    #[arg(long, value_name = "CAMERA")]
+    camera: Option<PathBuf>,
+    /// Replace outputs that are there already.
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    options: ScanOptions,
+}
+
+/// Opens the folder, places frame by frame, writes and tells; a failed scan is an error.
+pub(crate) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
+    args.options.check()?;
+    args.try_outputs()?;
+    let camera = args.camera.as_deref().map(read_camera).transpose()?;
+    let sequence = open_sequence(&args.input, camera)?;
+    let job = ScanJob {
+        name: args.input.display().to_string(),
+        camera: sequence.camera.camera,
+        stamps: sequence.files.iter().map(|files| files.stamp).collect(),
+        truth: sequence.truth.as_ref(),
+        notes: sequence.notes.clone(),
+        options: &args.options,
+    };
+    let bar = shell.progress();
+    let scanned = scan(sequence.frames(), job, &bar)
+        .with_context(|| format!("while scanning {}", args.input.display()))?;
+    let is_good = scanned.report.verdict != Verdict::Failed;
+    let written = if is_good {
+        let files = args.outputs(&scanned)?;
+        bar.stop_if_asked()?;
+        files.commit()?;
+        args.paths().map(|path| path.display().to_string()).collect()
+    } else {
+        Vec::new()
+    };
+    drop(bar);
+    let mut text = summary(&scanned.report);
+    if is_good {
+        text.push('\n');
+        text.push_str(&listed("wrote", &written));
+    }
+    shell.report(&scanned.report, &text)?;
+    if !is_good {
+        let counts = scanned.report.counts;
+        let of = scanned.report.frames.len();
+        let reasons = scanned.report.reasons();
+        let why = reasons.first().map_or("", |(reason, _)| reason);
+        bail!(
+            "{}: {} of {of} frames could not be placed, most often because {why}; nothing was written",
+            args.input.display(),
+            counts.skipped
+        );
+    }
+    Ok(())
+}
+
+impl ScanArgs {
+    fn paths(&self) -> impl Iterator<Item = &Path> {
+        let others = self.trajectory.iter().chain(&self.report);
+        std::iter::once(&self.output).chain(others).map(PathBuf::as_path)
+    }
+
+    /// Refuses outputs that cannot be written before the work begins.
+    fn try_outputs(&self) -> anyhow::Result<()> {
+        let mut trial = OutputSet::new(self.overwrite());
+        trial.add_surface(&self.output, &Surface::Points(PointCloud::default()))?;
+        for path in self.paths().skip(1) {
+            trial.add(path, |_| Ok(()))?;
+        }
+        Ok(())
+    }
+
+    fn outputs(&self, scanned: &Scanned) -> anyhow::Result<OutputSet> {
+        let mut files = OutputSet::new(self.overwrite());
+        files.add_surface(&self.output, &Surface::Points(scanned.cloud.clone()))?;
+        if let Some(path) = &self.trajectory {
+            let text = trajectory_text(&scanned.trajectory);
+            files.add(path, |out| out.write_all(text.as_bytes()))?;
+        }
+        if let Some(path) = &self.report {
+            let page = html(&scan_page(scanned));
+            files.add(path, |out| out.write_all(page.as_bytes()))?;
+        }
+        Ok(files)
+    }
+
+    fn overwrite(&self) -> Overwrite {
+        if self.force { Overwrite::Replace } else { Overwrite::Refuse }
+    }
+}
+
+fn summary(report: &ScanReport) -> String {
+    let counts = report.counts;
+    let mut lines = vec![
+        format!("{:<9}{}", "verdict", report.verdict),
+        format!(
+            "{:<9}{} ok ({} key), {} doubtful, {} skipped, of {}",
+            "frames",
+            counts.ok,
+            counts.key,
+            counts.doubtful,
+            counts.skipped,
+            report.frames.len()
+        ),
+    ];
+    let reasons = report.reasons();
+    lines.extend(reasons.iter().map(|(reason, n)| format!("{:<9}{n} x like: {reason}", "")));
+    lines.push(format!(
+        "{:<9}went {:.0} mm and turned {:.0} deg",
+        "camera", report.way, report.turned_deg
+    ));
+    lines.push(format!(
+        "{:<9}{} points, one for each {:.2} mm",
+        "cloud", report.n_points, report.voxel
+    ));
+    if let Some(truth) = &report.against_truth {
+        lines.push(format!(
+            "{:<9}{:.2} mm off the truth (ATE, root mean square of {})",
+            "truth",
+            truth.ate_mm.rmse,
+            truth.n_poses - truth.n_unmatched
+        ));
+    }
+    lines.extend(report.notes.iter().map(|note| format!("{:<9}{note}", "note")));
+    lines.join("\n")
+}
