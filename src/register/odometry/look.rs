@@ -97,6 +97,7 @@ impl Look {
             neighbours: super::by_icp::NEIGHBOURS,
             with_colours: false,
             with_borders: false,
+            camera: None,
         };
         let view = View::new(&cloud, Role::Source, options, &Silent)?;
         Ok(Surface { cloud, view })
