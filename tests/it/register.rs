@@ -159,7 +159,7 @@ fn wrong_flags_and_broken_files_are_told_by_name() {
         (&[&good, &good, "--fine", "best"], 2, "[possible values: point-to-point, point-to-plane"),
         (&[&good, &good, "--coarse", "luck"], 2, "[possible values: none, fpfh-ransac, fpfh-gnc"),
         (&[&good, &good, "--hypotheses", "0"], 65, "--hypotheses is 0; it must be a whole number"),
-        (&[&good, &good, "--feature-voxel", "-1"], 65, "--feature-voxel is -1; it must be"),
+        (&[&good, &good, "--feature-voxel=-1"], 65, "--feature-voxel is -1; it must be"),
         (&[&good, &good, "--kernel", "l1"], 2, "[possible values: none, huber, tukey, cauchy"),
         (&[&good, &good, "--voxel", "0"], 65, "--voxel is 0; it must be a number above 0"),
         (&[&good, &good, "--voxel", "1e-9"], 65, "are too small for a cloud of"),

@@ -10,7 +10,7 @@ pub use report::{FrameReport, ScanReport, VerdictCounts};
 use crate::geom::{PointCloud, VoxelError};
 use crate::progress::{Cancelled, Progress};
 use crate::register::odometry::{Doubt, Look, OdometryError, Placed, Tracker};
-use crate::register::{OdometryErrorOptions, Unmatched};
+use crate::register::{Delta, OdometryErrorOptions, Unmatched};
 use crate::rgbd::{
     Camera, CameraTrajectory, NormalOptions, RgbdError, RgbdFrame, SequenceError, StampedPose,
 };
@@ -110,13 +110,25 @@ pub fn scan(
     report.n_points = cloud.points.len();
     report.measure(&trajectory);
     if let Some(truth) = job.truth {
-        match evaluate(&trajectory, truth, &OdometryErrorOptions::default()) {
+        match evaluate(&trajectory, truth, &steps_within(&trajectory)) {
             Ok(found) => report.against_truth = Some(found.report),
             Err(Unmatched::MaxDifference(_)) => {}
             Err(error) => report.notes.push(format!("not compared with the truth: {error}")),
         }
     }
     Ok(Scanned { cloud, trajectory, report })
+}
+
+/// The usual steps, but for those that are longer than the walk.
+fn steps_within(trajectory: &CameraTrajectory) -> OdometryErrorOptions {
+    let stamps = trajectory.stamps();
+    let lasts = stamps.last().zip(stamps.first()).map_or(0.0, |(last, first)| last - first);
+    let mut options = OdometryErrorOptions::default();
+    options.deltas.retain(|delta| match delta {
+        Delta::Poses(n) => *n < stamps.len(),
+        Delta::Seconds(seconds) => *seconds < lasts,
+    });
+    options
 }
 
 /// What a look shows, with normals that look at the camera.
