@@ -18,6 +18,9 @@ use std::time::Instant;
 const GAP_SHIFT: f64 = 20.0;
 const GAP_TURN_DEG: f64 = 1.0;
 
+/// How late a picture is stamped, by what turns fastest [s].
+const LATE: f64 = 0.01;
+
 fn main() {
     let Some(data) = std::env::var_os("HORMA_DATA").map(PathBuf::from) else {
         eprintln!("HORMA_DATA is not set: there is nothing to follow");
@@ -33,6 +36,7 @@ fn main() {
             }
         }
         gaps(&data);
+        kinect_pairs(&data);
     });
 }
 
@@ -104,4 +108,51 @@ fn gaps(data: &Path) {
         );
     }
     println!("gaps: {right} ok and right, {wrong} ok and wrong, {refused} doubtful or failed");
+}
+
+/// The Kinect pairs of `pairs/icp.csv`: how far the points of the source end from where they belong, by
+/// the truth at the depth's stamps (the list's), at the colour's, and `LATE` before: stamps are given
+/// when a picture arrives, not when it is taken.
+fn kinect_pairs(data: &Path) {
+    let sequence = open(data, "tum_fr1_rpy_cut");
+    let list = std::fs::read_to_string(data.join("pairs/icp.csv")).expect("pairs");
+    let camera = &sequence.camera.camera;
+    for residuals in [Residuals::BrightnessAndDepth, Residuals::Brightness] {
+        let options = DenseOptions { residuals, ..DenseOptions::default() };
+        for name in list.lines().filter_map(|line| line.split(',').next()) {
+            let Some((into, gap)) =
+                name.strip_prefix("tum_fr1_rpy_cut-f").and_then(|n| n.split_once('+'))
+            else {
+                continue;
+            };
+            let into: usize = into.parse().expect("a number");
+            let from = into + gap.parse::<usize>().expect("a number");
+            let [(into, a), (from, b)] = [into, from].map(|i| {
+                let files = &sequence.files[i];
+                (sequence.read(files).expect("a frame"), files)
+            });
+            let pyramid =
+                |frame: &RgbdFrame| Pyramid::new(frame, camera, &options).expect("a pyramid");
+            let motion =
+                align_frames(&pyramid(&from), &pyramid(&into), &Pose::identity(), &options)
+                    .expect("a motion");
+            let cloud = from.cloud(camera).expect("a cloud");
+            let points = cloud.to_sparse_cloud(2).points;
+            let off = |truth: Pose| {
+                let sum: f64 = points
+                    .iter()
+                    .map(|p| (truth * p - motion.next_from_reference * p).norm_squared())
+                    .sum();
+                (sum / points.len() as f64).sqrt()
+            };
+            let at = |s| truth(&sequence).at(s).expect("a pose");
+            println!(
+                "{name:23} {residuals:18?} {:5.1} mm, by the colour's stamps {:5.1}, {LATE} s before {:5.1}, {}",
+                off(at(a.depth_stamp).inverse() * at(b.depth_stamp)),
+                off(at(a.stamp).inverse() * at(b.stamp)),
+                off(at(a.stamp - LATE).inverse() * at(b.stamp - LATE)),
+                motion.verdict,
+            );
+        }
+    }
 }
