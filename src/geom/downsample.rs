@@ -31,27 +31,58 @@ pub enum VoxelError {
     },
 }
 
+/// Cubic cells, numbered: a corner of theirs lies at the origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cells {
+    /// Where eight cells meet.
+    pub origin: Point3,
+    /// How long their sides are [mm].
+    pub side: f64,
+}
+
+/// Half the cells along an axis.
+const HALF: f64 = (1_u32 << (BITS - 1)) as f64;
+
+impl Cells {
+    /// Cells of the side `side` for points that are no farther than `extent` from `origin` along any axis.
+    pub fn new(origin: Point3, side: f64, extent: f64) -> Result<Self, VoxelError> {
+        if !(side > 0.0 && side.is_finite()) {
+            return Err(VoxelError::Side { side });
+        }
+        let most = HALF - 1.0;
+        if extent > side * most {
+            return Err(VoxelError::TooSmall { side, extent, least: extent / most });
+        }
+        Ok(Self { origin, side })
+    }
+
+    /// The number of the cell the point is in: ordered by x, then y, then z.
+    pub fn key(&self, point: &Point3) -> u64 {
+        let cell = (point - self.origin) / self.side;
+        cell.iter().fold(0_u64, |key, x| (key << BITS) | (x.floor() + HALF) as u64)
+    }
+
+    /// Where a cell is, counted from the origin along each axis: 0 begins there, -1 ends there.
+    pub fn along(key: u64) -> [i32; 3] {
+        let bits = |k: u32| (key >> (BITS * k)) as i32 & ((1 << BITS) - 1);
+        [2, 1, 0].map(|k| bits(k) - HALF as i32)
+    }
+
+    /// The middle of a cell.
+    pub fn middle(&self, key: u64) -> Point3 {
+        self.origin + Vector3::from(Self::along(key).map(|x| f64::from(x) + 0.5)) * self.side
+    }
+}
+
 /// The mean point of every cubic cell of the side `side` that has points; in the order of the cells.
 ///
 /// A corner of the grid lies at the centroid of the cloud, so that neither its unit nor its distance
 /// from the origin changes which points share a cell. Normals and colours are means too. The points
 /// must be finite.
 pub fn voxel_grid(cloud: &PointCloud, side: f64) -> Result<PointCloud, VoxelError> {
-    if !(side > 0.0 && side.is_finite()) {
-        return Err(VoxelError::Side { side });
-    }
-    let extent = cloud.aabb().size().max();
-    let half = f64::from(1_u32 << (BITS - 1)) - 1.0;
-    if extent > side * half {
-        return Err(VoxelError::TooSmall { side, extent, least: extent / half });
-    }
-    let origin = centroid(&cloud.points);
-    let key = |point: &Point3| {
-        let cell = (point - origin) / side;
-        cell.iter().fold(0_u64, |key, x| (key << BITS) | (x.floor() + half) as u64)
-    };
+    let cells = Cells::new(centroid(&cloud.points), side, cloud.aabb().size().max())?;
     let points = cloud.points.par_iter().enumerate();
-    let mut keyed: Vec<(u64, u32)> = points.map(|(i, p)| (key(p), i as u32)).collect();
+    let mut keyed: Vec<(u64, u32)> = points.map(|(i, p)| (cells.key(p), i as u32)).collect();
     keyed.par_sort_unstable();
     let runs: Vec<&[(u64, u32)]> = keyed.chunk_by(|a, b| a.0 == b.0).collect();
     let normals = cloud.normals.as_ref();
@@ -118,6 +149,17 @@ mod tests {
         assert_eq!(few.colors, Some(vec![[2; 3], [9; 3]]));
         let diagonal = Vector3::new(1.0, 1.0, 0.0).normalize();
         assert!((few.normals.unwrap()[0] - diagonal).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_middle_of_a_cell_is_in_it_half_a_side_from_its_faces() {
+        let cells = Cells::new(Point3::new(1.0, -2.0, 0.5), 0.25, 100.0).unwrap();
+        for point in [[1.0, -2.0, 0.5], [-50.1, 60.0, 99.9], [0.99, -2.01, 0.49]].map(Point3::from)
+        {
+            let middle = cells.middle(cells.key(&point));
+            assert_eq!(cells.key(&middle), cells.key(&point));
+            assert!((middle - point).amax() <= 0.125 + 1e-12);
+        }
     }
 
     #[test]

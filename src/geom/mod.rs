@@ -19,7 +19,7 @@ mod weld;
 pub use aabb::Aabb;
 pub use cloud::PointCloud;
 pub(crate) use downsample::centroid;
-pub use downsample::{VoxelError, voxel_grid};
+pub use downsample::{Cells, VoxelError, voxel_grid};
 pub use mesh::TriMesh;
 pub use nearest::{KdTree, Nearest, Neighbour, VoxelMap};
 pub(crate) use normals::least_direction;

@@ -14,6 +14,19 @@ pub struct CloudPart<'a> {
     pub colors: Option<&'a [[u8; 3]]>,
 }
 
+impl CloudPart<'_> {
+    /// The points from `begin` on, `n` at most.
+    #[must_use]
+    pub fn range(&self, begin: usize, n: usize) -> Self {
+        let end = self.points.len().min(begin + n);
+        Self {
+            points: &self.points[begin..end],
+            normals: self.normals.map(|normals| &normals[begin..end]),
+            colors: self.colors.map(|colors| &colors[begin..end]),
+        }
+    }
+}
+
 /// A cloud that can be gone through again and again, part by part.
 pub trait CloudParts {
     /// How many points all parts have together.

@@ -25,3 +25,6 @@ pub use graph::{GraphEdge, NeuronGraph};
 pub use grow::{Grown, grow};
 pub use learn::Stopped;
 pub use options::{Decay, GngOptions, OptionError, Preset, Search};
+
+#[cfg(test)]
+mod tests;
