@@ -196,6 +196,7 @@ impl fmt::Debug for Gpu {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compute::testing::device;
 
     /// Doubles what is bound.
     const DOUBLE: &str = "
@@ -204,17 +205,6 @@ mod tests {
         fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             numbers[id.x] = numbers[id.x] * real(2);
         }";
-
-    fn device() -> Option<Gpu> {
-        match Gpu::open(None) {
-            Ok(gpu) => Some(gpu),
-            Err(error) if std::env::var_os("HORMA_REQUIRE_GPU").is_some() => panic!("{error}"),
-            Err(error) => {
-                eprintln!("skipped: {error}");
-                None
-            }
-        }
-    }
 
     fn kernel(text: &'static str) -> Kernel {
         Kernel { name: "double", parts: vec![text], precision: Precision::Single, workgroup: 4 }

@@ -20,3 +20,21 @@ pub use gpu::Gpu;
 pub use kernel::{Kernel, Precision};
 pub use memory::Buffer;
 pub(crate) use pace::Pace;
+
+/// What tests of kernels need.
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::Gpu;
+
+    /// A device; without one the test is skipped, and says so, unless `HORMA_REQUIRE_GPU` forbids that.
+    pub(crate) fn device() -> Option<Gpu> {
+        match Gpu::open(None) {
+            Ok(gpu) => Some(gpu),
+            Err(error) if std::env::var_os("HORMA_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => {
+                eprintln!("skipped: {error}");
+                None
+            }
+        }
+    }
+}

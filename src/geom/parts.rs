@@ -97,7 +97,7 @@ pub fn box_of_parts(parts: &mut dyn CloudParts) -> Result<Aabb, PartError> {
             let number = n_before + i as u64 + 1;
             return Err(PartError::NotFinite { number, x: coords.x, y: coords.y, z: coords.z });
         }
-        aabb = part.points.iter().fold(aabb, |aabb, point| aabb.with(point));
+        aabb = part.points.iter().fold(aabb, Aabb::with);
         n_before += part.points.len() as u64;
         Ok(())
     })?;

@@ -55,7 +55,9 @@ pub fn mean_error(
     progress.start("measuring", parts.n_points());
     let mut distances = Distances::default();
     assign(parts, representatives, progress, &mut |_, found| {
-        found.iter().for_each(|neighbour| distances.take(neighbour.distance));
+        for neighbour in found {
+            distances.take(neighbour.distance);
+        }
     })?;
     distances.finish().ok_or(MeanErrorError::NoPoints)
 }

@@ -1,6 +1,7 @@
 //! Why a network could not grow.
 
 use super::options::OptionError;
+use crate::compute::GpuError;
 use crate::geom::PartError;
 use crate::progress::Cancelled;
 
@@ -45,6 +46,17 @@ pub enum GngError {
     /// The cloud could not be gone through.
     #[error(transparent)]
     Part(#[from] PartError),
+    /// The device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A driver ends loops before their time.
+    #[error("{adapter} ends a loop over {n_neurons} neurons before its time; take --compute cpu")]
+    CutShort {
+        /// What the device is called.
+        adapter: String,
+        /// How many neurons there were.
+        n_neurons: usize,
+    },
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

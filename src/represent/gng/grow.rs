@@ -1,14 +1,18 @@
 //! A cloud in, a network out.
 
 use super::error::GngError;
+use super::gpu::{OnDevice, learn_on_device, ns_per_signal};
 use super::graph::NeuronGraph;
-use super::learn::{Learned, Stopped, learn};
-use super::network::Network;
+use super::learn::{Lesson, Stopped, learn};
+use super::network::{Network, Place};
 use super::options::{GngOptions, Search};
 use super::signals::{Signals, place};
 use super::winners::{Grid, Scan};
+use crate::compute::{ComputeChoice, Gpu};
 use crate::geom::{Aabb, CloudParts, PointCloud, Vector3, box_of_parts};
 use crate::progress::Progress;
+use serde::Serialize;
+use std::time::Instant;
 
 /// What growing led to.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +23,26 @@ pub struct Grown {
     pub n_signals: u64,
     /// Why it no longer grows.
     pub stopped: Stopped,
+    /// Where it learned: the processor first, and a device from so many neurons on.
+    pub learned_on: LearnedOn,
+}
+
+/// Where a network learned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LearnedOn {
+    /// The processor.
+    Cpu {
+        /// Why, where the choice was left open.
+        why: Option<String>,
+    },
+    /// A device.
+    Device {
+        /// What it is called.
+        name: String,
+        /// How many neurons the network had when it went there.
+        n_neurons: usize,
+    },
 }
 
 /// Grows a network over a cloud, from two neurons or from `begin`, to `n_neurons` or until the options stop it.
@@ -37,29 +61,111 @@ pub fn grow(
     }
     let origin = aabb.center();
     let mut signals = Signals::new(parts, &aabb, options.seed)?;
-    let mut network = match begin {
-        Some(graph) => Network::of_graph(graph, &origin)?,
-        None => {
-            let mut first = [[0.0; 3]; 2];
-            signals.fill(&mut first)?;
-            Network::of_two(first)
-        }
+    let network = if let Some(graph) = begin {
+        Network::of_graph(graph, &origin)?
+    } else {
+        let mut first = [[0.0; 3]; 2];
+        signals.fill(&mut first)?;
+        Network::of_two(first)
     };
-    let n_begin = network.neurons.len();
     let n_neurons = n_neurons.unwrap_or(usize::MAX);
-    progress.start("growing", n_neurons.saturating_sub(n_begin).min(u32::MAX as usize) as u64);
-    let Learned { n_signals, stopped } = match options.search {
-        Search::Grid => {
-            let [low, high] = corners(&aabb);
-            let winners = Grid::over(low, high, &network.neurons);
-            learn(&mut network, winners, &mut signals, n_neurons, options, progress)
+    let n_more = n_neurons.saturating_sub(network.neurons.len()).min(u32::MAX as usize);
+    progress.start("growing", n_more as u64);
+    let lesson = Lesson::new(signals, options);
+    let mut growth = Growth { network, corners: corners(&aabb), lesson, progress };
+    let (stopped, learned_on) = match options.compute {
+        ComputeChoice::Cpu => (growth.on_cpu(n_neurons)?, LearnedOn::Cpu { why: None }),
+        ComputeChoice::Gpu => {
+            let gpu = Gpu::open(options.adapter.as_deref())?;
+            let learned_on = growth.named(&gpu);
+            (growth.on_device(&gpu, n_neurons)?, learned_on)
         }
-        Search::Scan => {
-            let winners = Scan::over(&network.neurons);
-            learn(&mut network, winners, &mut signals, n_neurons, options, progress)
+        ComputeChoice::Auto => match Gpu::open(options.adapter.as_deref()) {
+            Ok(gpu) => growth.where_faster(&gpu, n_neurons)?,
+            Err(error) => {
+                (growth.on_cpu(n_neurons)?, LearnedOn::Cpu { why: Some(error.to_string()) })
+            }
+        },
+    };
+    let n_signals = growth.lesson.course.n_signals;
+    Ok(Grown { graph: growth.network.to_graph(&origin), n_signals, stopped, learned_on })
+}
+
+/// Neurons from which on it is worth asking where a signal takes less.
+const FIRST_ASKED: usize = 1024;
+/// Signals tried on the device.
+const TRIED: usize = 256;
+
+/// A network as it grows.
+struct Growth<'a> {
+    network: Network,
+    /// Lowest and highest corner of the cloud.
+    corners: [Place; 2],
+    lesson: Lesson<'a>,
+    progress: &'a dyn Progress,
+}
+
+impl Growth<'_> {
+    fn on_cpu(&mut self, n_neurons: usize) -> Result<Stopped, GngError> {
+        let Self { network, lesson, progress, corners: [low, high] } = self;
+        match lesson.options.search {
+            Search::Grid => {
+                let mut winners = Grid::over(*low, *high, &network.neurons);
+                learn(network, &mut winners, lesson, n_neurons, *progress)
+            }
+            Search::Scan => {
+                let mut winners = Scan::over(&network.neurons);
+                learn(network, &mut winners, lesson, n_neurons, *progress)
+            }
         }
-    }?;
-    Ok(Grown { graph: network.to_graph(&origin), n_signals, stopped })
+    }
+
+    fn on_device(&mut self, gpu: &Gpu, n_neurons: usize) -> Result<Stopped, GngError> {
+        let Self { network, lesson, progress, .. } = self;
+        if lesson.options.batch.is_some() {
+            let mut winners = OnDevice::over(gpu, &network.neurons);
+            learn(network, &mut winners, lesson, n_neurons, *progress)
+        } else {
+            learn_on_device(network, gpu, lesson, n_neurons, *progress)
+        }
+    }
+
+    /// On the processor as long as a signal takes less there; asked whenever there are twice as many neurons.
+    /// Morell (2014), section 4.3.2.4.
+    fn where_faster(
+        &mut self,
+        gpu: &Gpu,
+        n_neurons: usize,
+    ) -> Result<(Stopped, LearnedOn), GngError> {
+        let mut next = FIRST_ASKED.max(2 * self.network.neurons.len());
+        let mut why = format!("fewer than {next} neurons: {} was not asked", gpu.name());
+        loop {
+            let (begin, n_before) = (Instant::now(), self.lesson.course.n_signals);
+            let stopped = self.on_cpu(n_neurons.min(next))?;
+            if stopped != Stopped::Count || n_neurons <= next {
+                return Ok((stopped, LearnedOn::Cpu { why: Some(why) }));
+            }
+            let n_signals = self.lesson.course.n_signals - n_before;
+            let on_cpu = begin.elapsed().as_nanos() as f64 / n_signals as f64;
+            let mut tried = vec![[0.0; 3]; TRIED];
+            self.lesson.signals.fill(&mut tried)?;
+            let on_device = ns_per_signal(&self.network, gpu, self.lesson.rates, &tried)?;
+            if on_device < on_cpu {
+                let learned_on = self.named(gpu);
+                return Ok((self.on_device(gpu, n_neurons)?, learned_on));
+            }
+            why = format!(
+                "with {next} neurons a signal took {on_cpu:.0} ns, on {} {on_device:.0} ns",
+                gpu.name()
+            );
+            next *= 2;
+        }
+    }
+
+    fn named(&self, gpu: &Gpu) -> LearnedOn {
+        let n_neurons = self.network.neurons.len();
+        LearnedOn::Device { name: gpu.name().to_owned(), n_neurons }
+    }
 }
 
 fn check_count(
@@ -91,5 +197,10 @@ fn corners(aabb: &Aabb) -> [[f32; 3]; 2] {
 fn in_one_place(aabb: &Aabb) -> Grown {
     let neurons = PointCloud { points: vec![aabb.center()], ..PointCloud::default() };
     let graph = NeuronGraph { neurons, edges: Vec::new(), errors: vec![0.0] };
-    Grown { graph, n_signals: 0, stopped: Stopped::OnePlace }
+    Grown {
+        graph,
+        n_signals: 0,
+        stopped: Stopped::OnePlace,
+        learned_on: LearnedOn::Cpu { why: None },
+    }
 }

@@ -6,7 +6,6 @@ use super::options::{GngOptions, Rates};
 use super::signals::Signals;
 use super::winners::{Winners, Won};
 use crate::progress::Progress;
-use rayon::prelude::*;
 use std::time::Instant;
 
 /// Signals drawn at a time.
@@ -30,53 +29,41 @@ pub enum Stopped {
     OnePlace,
 }
 
-/// How learning went.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Learned {
-    pub(super) n_signals: u64,
-    pub(super) stopped: Stopped,
+/// What a network is to learn, and how far it is.
+pub(super) struct Lesson<'a> {
+    pub(super) signals: Signals<'a>,
+    pub(super) rates: Rates,
+    pub(super) options: &'a GngOptions,
+    pub(super) course: Course<'a>,
 }
 
-/// Lets `network` learn and grow, to `n_neurons` or until something else stops it.
+impl<'a> Lesson<'a> {
+    pub(super) fn new(signals: Signals<'a>, options: &'a GngOptions) -> Self {
+        Self { signals, rates: options.rates(), options, course: Course::new(options) }
+    }
+}
+
+/// Lets `network` learn and grow to `n_neurons`, or until the options stop it.
 pub(super) fn learn<W: Winners + Sync>(
     network: &mut Network,
-    mut winners: W,
-    signals: &mut Signals<'_>,
+    winners: &mut W,
+    lesson: &mut Lesson<'_>,
     n_neurons: usize,
-    options: &GngOptions,
     progress: &dyn Progress,
-) -> Result<Learned, GngError> {
-    let rates = options.rates();
-    let begin = Instant::now();
-    let mut error = RunningError::default();
-    let mut n_signals = 0;
+) -> Result<Stopped, GngError> {
     loop {
-        let left = options.max_signals.map_or(u64::MAX, |most| most - n_signals);
-        let n = u64::from(options.lambda).min(left);
-        let sum = match options.batch {
-            None => one_by_one(network, &mut winners, signals, n, &rates)?,
-            Some(n_batch) => in_batches(network, &mut winners, signals, n, n_batch, &rates)?,
+        let n = lesson.course.next();
+        let sum = match lesson.options.batch {
+            None => one_by_one(network, winners, lesson, n)?,
+            Some(n_batch) => in_batches(network, winners, lesson, n, n_batch)?,
         };
-        n_signals += n;
-        error.add(sum, n);
-        let stopped = [
-            (network.neurons.len() >= n_neurons, Stopped::Count),
-            (options.max_signals.is_some_and(|most| most <= n_signals), Stopped::Signals),
-            (options.target_error.zip(error.mean).is_some_and(|(a, b)| b <= a), Stopped::MeanError),
-            (
-                options.max_seconds.is_some_and(|s| s <= begin.elapsed().as_secs_f64()),
-                Stopped::Time,
-            ),
-        ];
-        if let Some((_, stopped)) = stopped.into_iter().find(|(is_met, _)| *is_met) {
-            return Ok(Learned { n_signals, stopped });
+        lesson.course.did(n, sum, progress);
+        if let Some(stopped) = lesson.course.end(network.neurons.len(), n_neurons) {
+            return Ok(stopped);
         }
         let n_before = network.neurons.len();
-        network.insert(&rates, &mut winners);
+        network.insert(&lesson.rates, winners);
         progress.advance((network.neurons.len() - n_before) as u64)?;
-        if let Some(mean) = error.mean.filter(|_| error.n == 0) {
-            progress.tell(&format!("signals {mean:.4} mm off"));
-        }
     }
 }
 
@@ -85,20 +72,19 @@ pub(super) fn learn<W: Winners + Sync>(
 fn one_by_one<W: Winners>(
     network: &mut Network,
     winners: &mut W,
-    signals: &mut Signals<'_>,
+    lesson: &mut Lesson<'_>,
     n: u64,
-    rates: &Rates,
 ) -> Result<f64, GngError> {
     let mut drawn = [[0.0; 3]; DRAWN];
     let mut sum = 0.0;
     let mut left = n;
     while 0 < left {
         let drawn = &mut drawn[..left.min(DRAWN as u64) as usize];
-        signals.fill(drawn)?;
+        lesson.signals.fill(drawn)?;
         for &signal in &*drawn {
             let won = winners.find(signal, &network.neurons, &network.links);
             sum += f64::from(won.square.sqrt());
-            network.adapt(signal, won, rates, winners);
+            network.adapt(signal, won, &lesson.rates, winners);
             network.bury(winners);
         }
         left -= drawn.len() as u64;
@@ -111,23 +97,21 @@ fn one_by_one<W: Winners>(
 fn in_batches<W: Winners + Sync>(
     network: &mut Network,
     winners: &mut W,
-    signals: &mut Signals<'_>,
+    lesson: &mut Lesson<'_>,
     n: u64,
     n_batch: usize,
-    rates: &Rates,
 ) -> Result<f64, GngError> {
     let mut sum = 0.0;
     let mut left = n;
     let mut drawn: Vec<Place> = Vec::new();
     while 0 < left {
         drawn.resize(left.min(n_batch as u64) as usize, [0.0; 3]);
-        signals.fill(&mut drawn)?;
-        let (neurons, links, unchanged) = (&network.neurons, &network.links, &*winners);
-        let find = |signal: &Place| unchanged.look(*signal, neurons, links);
-        let all: Vec<Won> = drawn.par_iter().with_min_len(64).map(find).collect();
+        lesson.signals.fill(&mut drawn)?;
+        let all: Vec<Won> = winners.look_all(&drawn, &network.neurons, &network.links)?;
         for (&signal, &won) in drawn.iter().zip(&all) {
             sum += f64::from(won.square.sqrt());
-            network.adapt(signal, won, rates, winners);
+            winners.remember(signal, won);
+            network.adapt(signal, won, &lesson.rates, winners);
         }
         network.bury(winners);
         left -= drawn.len() as u64;
@@ -135,20 +119,50 @@ fn in_batches<W: Winners + Sync>(
     Ok(sum)
 }
 
-/// How far signals are off on average, window by window.
-#[derive(Debug, Default)]
-struct RunningError {
-    sum: f64,
-    n: u64,
-    mean: Option<f64>,
+/// How far learning is, and whether it is over.
+pub(super) struct Course<'a> {
+    options: &'a GngOptions,
+    begin: Instant,
+    pub(super) n_signals: u64,
+    /// Sum of the distances of the last signals, and how many they are.
+    window: (f64, u64),
+    /// Mean distance of a window of them.
+    error: Option<f64>,
 }
 
-impl RunningError {
-    fn add(&mut self, sum: f64, n: u64) {
-        self.sum += sum;
-        self.n += n;
-        if WINDOW <= self.n {
-            *self = Self { mean: Some(self.sum / self.n as f64), ..Self::default() };
+impl<'a> Course<'a> {
+    fn new(options: &'a GngOptions) -> Self {
+        Self { options, begin: Instant::now(), n_signals: 0, window: (0.0, 0), error: None }
+    }
+
+    /// Signals to learn before the next neuron.
+    pub(super) fn next(&self) -> u64 {
+        let left = self.options.max_signals.map_or(u64::MAX, |most| most - self.n_signals);
+        u64::from(self.options.lambda).min(left)
+    }
+
+    /// Learned `n` signals whose distances sum up to `sum`.
+    pub(super) fn did(&mut self, n: u64, sum: f64, progress: &dyn Progress) {
+        self.n_signals += n;
+        self.window = (self.window.0 + sum, self.window.1 + n);
+        if WINDOW <= self.window.1 {
+            let mean = self.window.0 / self.window.1 as f64;
+            progress.tell(&format!("signals {mean:.4} mm off"));
+            (self.error, self.window) = (Some(mean), (0.0, 0));
         }
+    }
+
+    /// Why it is over with `n_neurons` of `most`, if it is.
+    pub(super) fn end(&self, n_neurons: usize, most: usize) -> Option<Stopped> {
+        let GngOptions { max_signals, max_seconds, target_error, .. } = self.options;
+        let is_late = |longest: f64| longest <= self.begin.elapsed().as_secs_f64();
+        let is_near = target_error.zip(self.error).is_some_and(|(target, mean)| mean <= target);
+        let ends = [
+            (most <= n_neurons, Stopped::Count),
+            (max_signals.is_some_and(|n| n <= self.n_signals), Stopped::Signals),
+            (is_near, Stopped::MeanError),
+            (max_seconds.is_some_and(is_late), Stopped::Time),
+        ];
+        ends.into_iter().find(|(is_met, _)| *is_met).map(|(_, stopped)| stopped)
     }
 }

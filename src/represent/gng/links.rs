@@ -14,8 +14,9 @@ pub(super) struct Links {
     slots: Vec<Slot>,
 }
 
-/// One end of an edge.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// One end of an edge. `Slot` of `kernels/gng_learn.wgsl` and `kernels/gng_insert.wgsl`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub(super) struct Slot {
     /// The neuron at the other end.
     pub(super) to: u32,
@@ -36,6 +37,21 @@ const WIDTH: usize = 16;
 impl Links {
     pub(super) fn new() -> Self {
         Self { width: WIDTH, n_slots: Vec::new(), slots: Vec::new() }
+    }
+
+    /// Slots in a row.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// How many slots of each row hold an edge, and all rows one after the other.
+    pub(super) fn rows(&self) -> (&[u32], &[Slot]) {
+        (&self.n_slots, &self.slots)
+    }
+
+    /// Edges in rows of `width` slots.
+    pub(super) fn of_rows(width: usize, n_slots: Vec<u32>, slots: Vec<Slot>) -> Self {
+        Self { width, n_slots, slots }
     }
 
     /// A neuron without edges more.
@@ -103,7 +119,8 @@ impl Links {
         self.n_slots[i as usize] += 1;
     }
 
-    fn widen(&mut self) {
+    /// Twice the room for the edges of each neuron.
+    pub(super) fn widen(&mut self) {
         let mut wider = vec![Slot::default(); 2 * self.slots.len()];
         for (new, old) in wider.chunks_mut(2 * self.width).zip(self.slots.chunks(self.width)) {
             new[..self.width].copy_from_slice(old);

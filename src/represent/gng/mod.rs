@@ -11,20 +11,23 @@
 //! Fritzke (1995), "A Growing Neural Gas Network Learns Topologies"; Morell (2014), sections 3.2 and 4.3.
 
 mod error;
+mod gpu;
 mod graph;
 mod grow;
 mod learn;
 mod links;
 mod network;
 mod options;
+mod reduction;
 mod signals;
 mod winners;
 
 pub use error::GngError;
 pub use graph::{GraphEdge, NeuronGraph};
-pub use grow::{Grown, grow};
+pub use grow::{Grown, LearnedOn, grow};
 pub use learn::Stopped;
 pub use options::{Decay, GngOptions, OptionError, Preset, Search};
+pub use reduction::two_minimum;
 
 #[cfg(test)]
 mod tests;

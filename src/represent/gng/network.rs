@@ -47,7 +47,9 @@ impl Network {
     /// Two neurons, not yet joined.
     pub(super) fn of_two(places: [Place; 2]) -> Self {
         let mut network = Self::empty();
-        places.map(|at| network.add(at, 0.0));
+        for at in places {
+            network.add(at, 0.0);
+        }
         network
     }
 
@@ -109,7 +111,9 @@ impl Network {
     fn pull(&mut self, i: u32, to: Place, rate: f32, winners: &mut impl Winners) {
         let neuron = &mut self.neurons[i as usize];
         let from = neuron.at;
-        neuron.at = [0, 1, 2].map(|k| from[k] + rate * (to[k] - from[k]));
+        for (x, (a, b)) in neuron.at.iter_mut().zip(from.into_iter().zip(to)) {
+            *x = a + rate * (b - a);
+        }
         winners.moved(i, from, neuron.at);
     }
 
@@ -165,11 +169,23 @@ impl Network {
         let mut worst = None;
         let mut greatest = f64::NEG_INFINITY;
         for (i, &error) in self.errors.iter().enumerate() {
-            if greatest < error {
+            // Who is about to be buried has no neighbour to be halfway to.
+            if greatest < error && !self.links.of(i as u32).is_empty() {
                 (worst, greatest) = (Some(i as u32), error);
             }
         }
         worst
+    }
+
+    /// The errors as they are.
+    pub(super) fn errors(&self) -> impl Iterator<Item = f64> + '_ {
+        self.errors.iter().map(|error| error / self.scale)
+    }
+
+    /// The network of these neurons, those without edges to be buried.
+    pub(super) fn of_parts(neurons: Vec<Neuron>, links: Links, errors: Vec<f64>) -> Self {
+        let bereft = (0..neurons.len() as u32).filter(|i| links.of(*i).is_empty()).collect();
+        Self { neurons, links, errors, scale: 1.0, bereft }
     }
 
     /// All errors are multiplied by `rate`.
@@ -202,7 +218,7 @@ impl Network {
                 ..PointCloud::default()
             },
             edges,
-            errors: self.errors.iter().map(|error| error / self.scale).collect(),
+            errors: self.errors().collect(),
         }
     }
 

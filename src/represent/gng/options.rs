@@ -1,5 +1,6 @@
 //! How a growing neural gas learns, and when it stops.
 
+use crate::compute::ComputeChoice;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +38,12 @@ pub struct GngOptions {
     /// How winners are found; the network is the same.
     #[arg(long, value_name = "HOW", default_value = "grid")]
     pub search: Search,
+    /// Where the network learns; `auto` begins on the processor and goes on where a signal takes less.
+    #[arg(long, value_name = "WHERE", default_value = "cpu")]
+    pub compute: ComputeChoice,
+    /// The device to learn on: part of its name, as `horma devices` tells it [default: the fastest kind].
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
     /// Find the winners of this many signals at once, on all cores, and let the network learn them after
     /// another: another network, nearly as good [default: one at a time].
     #[arg(long, value_name = "N")]
@@ -93,6 +100,9 @@ pub(super) struct Rates {
     pub(super) decay_rate: f64,
 }
 
+/// An option, its value, what is true of good ones, and in words.
+type Rule = (&'static str, Option<f64>, fn(&f64) -> bool, &'static str);
+
 /// An option that means nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{option} is {value}; give {must}")]
@@ -118,6 +128,8 @@ impl Default for GngOptions {
             decay_rate: None,
             seed: 1,
             search: Search::Grid,
+            compute: ComputeChoice::Cpu,
+            adapter: None,
             batch: None,
             max_signals: None,
             max_seconds: None,
@@ -134,7 +146,6 @@ impl GngOptions {
         let is_count = |x: &f64| 1.0 <= *x;
         let share = "a number above 0, at most 1";
         let count = "a whole number above 0";
-        type Rule = (&'static str, Option<f64>, fn(&f64) -> bool, &'static str);
         let rules: [Rule; 10] = [
             ("--winner-rate", self.winner_rate, is_share, share),
             ("--neighbour-rate", self.neighbour_rate, is_share, share),

@@ -6,7 +6,7 @@ use crate::progress::{Cancelled, Progress, Silent};
 fn ring_and_line(n: u32) -> PointCloud {
     let at = |i: u32| {
         let t = (f64::from(i) * 0.618_034).fract();
-        if i % 3 == 0 {
+        if i.is_multiple_of(3) {
             Point3::new(0.0, 0.0, 100.0 * t)
         } else {
             let angle = t * std::f64::consts::TAU;

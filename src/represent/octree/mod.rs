@@ -100,8 +100,8 @@ impl Octree {
 
     fn cell(&self, level: usize, index: usize) -> OctreeCell {
         let Node { code, sum, .. } = &self.levels[level][index];
-        let side = self.cells.side * f64::powi(2.0, (self.depth() - level) as i32);
-        let half = f64::powi(2.0, level as i32) / 2.0;
+        let side = self.cells.side * (1_u64 << (self.depth() - level)) as f64;
+        let half = (1_u64 << level) as f64 / 2.0;
         let out = Vector3::from(code.along().map(|x| f64::from(x) + 0.5 - half));
         let middle = self.cells.origin + out * side;
         let mean = middle + sum.shift / sum.n as f64;

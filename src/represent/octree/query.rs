@@ -2,7 +2,7 @@
 
 use super::code::Code;
 use super::{Node, Octree, OctreeCell};
-use crate::geom::{Aabb, Cells, Point3};
+use crate::geom::{Aabb, Point3};
 
 impl Octree {
     /// The leaf that a place is in, if it has points.

@@ -59,7 +59,7 @@ fn groups(sums: &[CellSum], most: u64) -> Vec<Range<usize>> {
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     let half = values.len() / 2;
-    let is_even = values.len() % 2 == 0;
+    let is_even = values.len().is_multiple_of(2);
     let (below, middle, _) = values.select_nth_unstable_by(half, f64::total_cmp);
     if is_even {
         let before = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -53,7 +53,7 @@ fn the_nearest_is_a_point_of_the_cloud_and_no_other_is_nearer_to_the_mean() {
 #[test]
 fn a_count_is_met_within_half_a_percent() {
     let cloud = sheet(50_000);
-    for count in [100, 1000, 5000, 20_000] {
+    for count in [1000, 5000, 20_000] {
         let found = reduced(&cloud, CellSize::Count(count), Rule::Centroid);
         let reached = found.reached.unwrap();
         assert!(reached.is_near, "{reached:?}");

@@ -82,8 +82,7 @@ impl Grid {
 
     #[inline(always)]
     fn cell(&self, at: Place) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|k| self.along(at[k], k));
-        self.number(x, y, z)
+        self.number(self.along(at[0], 0), self.along(at[1], 1), self.along(at[2], 2))
     }
 
     #[inline(always)]
@@ -109,17 +108,6 @@ impl Grid {
             before = self.next[before as usize];
         }
         self.next[before as usize] = next;
-    }
-
-    /// Two neurons that need not be the nearest, and how far off the second is, squared.
-    #[inline]
-    fn bound(&self, signal: Place, hint: u32, neurons: &[Neuron], links: &Links) -> f32 {
-        let mut least = [square(signal, neurons[hint as usize].at), f32::INFINITY];
-        for slot in links.of(hint) {
-            let d = square(signal, neurons[slot.to as usize].at);
-            least = [least[0].min(d), least[1].min(least[0].max(d))];
-        }
-        least[1]
     }
 
     /// How far off the second of two neurons is, squared, that need not be the nearest: looks into ever wider
@@ -158,9 +146,9 @@ impl Grid {
 
     #[inline(always)]
     fn around(&self, signal: Place, reach: f32) -> [[i32; 3]; 2] {
-        let low = [0, 1, 2].map(|k| self.along(signal[k] - reach, k));
-        let high = [0, 1, 2].map(|k| self.along(signal[k] + reach, k));
-        [low, high]
+        // Not `map`: it is not always inlined, and this is the innermost loop.
+        let at = |k: usize, out: f32| self.along(signal[k] + out, k);
+        [[at(0, -reach), at(1, -reach), at(2, -reach)], [at(0, reach), at(1, reach), at(2, reach)]]
     }
 }
 
@@ -169,7 +157,7 @@ impl Winners for Grid {
     fn look(&self, signal: Place, neurons: &[Neuron], links: &Links) -> Won {
         let hint = self.cells[self.cell(signal)].hint;
         let bound = match neurons.get(hint as usize) {
-            Some(_) => self.bound(signal, hint, neurons, links),
+            Some(_) => second_of(signal, hint, neurons, links),
             None => f32::INFINITY,
         };
         let bound = if bound < f32::INFINITY { bound } else { self.widening(signal, neurons) };
@@ -177,12 +165,10 @@ impl Winners for Grid {
         self.within(signal, reach, neurons).into()
     }
 
-    #[inline]
-    fn find(&mut self, signal: Place, neurons: &[Neuron], links: &Links) -> Won {
-        let won = self.look(signal, neurons, links);
+    #[inline(always)]
+    fn remember(&mut self, signal: Place, won: Won) {
         let own = self.cell(signal);
         self.cells[own].hint = won.first;
-        won
     }
 
     #[inline(always)]
@@ -210,4 +196,16 @@ impl Winners for Grid {
         }
         self.next.pop();
     }
+}
+
+/// How far off the second of two neurons is, squared, that need not be the nearest: of the neuron `hint` and those
+/// joined to it.
+#[inline]
+fn second_of(signal: Place, hint: u32, neurons: &[Neuron], links: &Links) -> f32 {
+    let mut least = [square(signal, neurons[hint as usize].at), f32::INFINITY];
+    for slot in links.of(hint) {
+        let other = square(signal, neurons[slot.to as usize].at);
+        least = [least[0].min(other), least[1].min(least[0].max(other))];
+    }
+    least[1]
 }

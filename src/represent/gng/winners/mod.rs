@@ -9,8 +9,13 @@ mod scan;
 pub(super) use grid::Grid;
 pub(super) use scan::Scan;
 
+use super::error::GngError;
 use super::links::Links;
 use super::network::{Neuron, Place};
+use rayon::prelude::*;
+
+/// Winners a thread looks for at least.
+const FEWEST: usize = 64;
 
 /// The two nearest neurons, and how far off the first is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,9 +31,29 @@ pub(super) trait Winners {
     /// The two neurons nearest to the signal; there are at least two.
     fn look(&self, signal: Place, neurons: &[Neuron], links: &Links) -> Won;
 
-    /// [`look`](Self::look), and remembers what may help with the next signal nearby.
+    /// [`look`](Self::look) for each of the signals, on all threads.
+    fn look_all(
+        &self,
+        signals: &[Place],
+        neurons: &[Neuron],
+        links: &Links,
+    ) -> Result<Vec<Won>, GngError>
+    where
+        Self: Sync,
+    {
+        let look = |signal: &Place| self.look(*signal, neurons, links);
+        Ok(signals.par_iter().with_min_len(FEWEST).map(look).collect())
+    }
+
+    /// Keeps in mind who won, if that helps with the next signal nearby.
+    fn remember(&mut self, _signal: Place, _won: Won) {}
+
+    /// [`look`](Self::look), then [`remember`](Self::remember).
+    #[inline(always)]
     fn find(&mut self, signal: Place, neurons: &[Neuron], links: &Links) -> Won {
-        self.look(signal, neurons, links)
+        let won = self.look(signal, neurons, links);
+        self.remember(signal, won);
+        won
     }
 
     /// The neuron `i` went from one place to another.
@@ -39,6 +64,25 @@ pub(super) trait Winners {
 
     /// The neuron `i` goes, and `last` gets its number; `neurons` are as before.
     fn removed(&mut self, i: u32, last: u32, neurons: &[Neuron]);
+}
+
+/// Nobody looks for winners: a network changes where no search need know of it.
+pub(super) struct Nobody;
+
+impl Nobody {
+    const WON: Won = Won { first: 0, second: 1, square: f32::INFINITY };
+}
+
+impl Winners for Nobody {
+    fn look(&self, _signal: Place, _neurons: &[Neuron], _links: &Links) -> Won {
+        Self::WON
+    }
+
+    fn moved(&mut self, _i: u32, _from: Place, _to: Place) {}
+
+    fn added(&mut self, _i: u32, _neurons: &[Neuron]) {}
+
+    fn removed(&mut self, _i: u32, _last: u32, _neurons: &[Neuron]) {}
 }
 
 /// The two least of pairs of squared distance and number.

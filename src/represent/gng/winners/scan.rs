@@ -46,7 +46,7 @@ fn least<S: Simd>(simd: S, at: [&[f32]; 3], signal: Place) -> Two {
         numbers[1] = is_first.select(numbers[0], is_second.select(i, numbers[1]));
         squares[0] = is_first.select(d, squares[0]);
         numbers[0] = is_first.select(i, numbers[0]);
-        i = i + step;
+        i += step;
     }
     let mut two = Two::NONE;
     for k in 0..2 {
