@@ -26,6 +26,11 @@ impl Chart {
         Self { over: over.into(), what: "time [ms]", names, rows }
     }
 
+    /// Of mean errors [mm].
+    pub(crate) fn of_errors(over: &str, names: Vec<String>, rows: Vec<(f64, Vec<f64>)>) -> Self {
+        Self { over: over.into(), what: "mean error [mm]", names, rows }
+    }
+
     /// Of speed-ups.
     pub(crate) fn of_gains(over: &str, names: Vec<String>, rows: Vec<(f64, Vec<f64>)>) -> Self {
         Self { over: over.into(), what: "speed-up", names, rows }

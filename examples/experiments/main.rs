@@ -5,13 +5,20 @@
 //! ```
 
 mod chart;
+mod clouds;
 mod contender;
+mod fig_3_7;
 mod fig_4_13;
 mod fig_4_14;
 mod fig_4_15;
+mod fig_4_7;
+mod gng_race;
 mod lathe;
+mod plain_gng;
 mod scan;
 mod sweep;
+mod table_4_1;
+mod table_4_5;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -31,6 +38,18 @@ struct Arguments {
 
 #[derive(Debug, Clone, Copy, Subcommand)]
 enum Experiment {
+    /// Mean error of octree, voxel grid and growing neural gas over the number of representatives.
+    #[command(name = "fig-3-7")]
+    Fig3_7,
+    /// Share of each stage of growing neural gas.
+    #[command(name = "table-4-1")]
+    Table4_1,
+    /// Speed-up of growing neural gas over the plain loop; its chart is figure 4.8.
+    #[command(name = "table-4-5", alias = "fig-4-8")]
+    Table4_5,
+    /// The two-minimum reduction alone.
+    #[command(name = "fig-4-7")]
+    Fig4_7,
     /// Time over the precision of the trajectory.
     #[command(name = "fig-4-13")]
     Fig4_13,
@@ -47,6 +66,10 @@ fn main() -> anyhow::Result<()> {
     println!("{}", machine());
     let share = if arguments.quick { 0.1 } else { 1.0 };
     match arguments.experiment {
+        Experiment::Fig3_7 => fig_3_7::run(&arguments.output, share),
+        Experiment::Table4_1 => table_4_1::run(&arguments.output, share),
+        Experiment::Table4_5 => table_4_5::run(&arguments.output, share),
+        Experiment::Fig4_7 => fig_4_7::run(&arguments.output, share),
         Experiment::Fig4_13 => fig_4_13::run(&arguments.output, share),
         Experiment::Fig4_14 => fig_4_14::run(&arguments.output, share),
         Experiment::Fig4_15 => fig_4_15::run(&arguments.output, share),

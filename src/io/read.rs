@@ -40,16 +40,25 @@ fn read(path: &Path, unit: Option<LengthUnit>) -> Result<Reading, Fault> {
 
 /// What the file `path` holds, before units are settled.
 pub(super) fn read_raw(path: &Path) -> Result<(Raw, Format), Fault> {
-    let file = File::open(path)?;
-    let size = file.metadata()?.len();
+    opened(path, |format, source, folder| Ok((parse(format, source, folder)?, format)))
+}
+
+/// Opens the file `path`, tells its format, and hands it to `read` with the folder it is in.
+pub(super) fn opened<T, E: From<Fault>>(
+    path: &Path,
+    read: impl FnOnce(Format, &mut Source<'_>, &Path) -> Result<T, E>,
+) -> Result<T, E> {
+    let system = |error| E::from(Fault::System(error));
+    let file = File::open(path).map_err(system)?;
+    let size = file.metadata().map_err(system)?.len();
     let mut reader = BufReader::with_capacity(HEAD_SIZE, file);
-    let head = reader.fill_buf()?;
+    let head = reader.fill_buf().map_err(system)?;
     if head.is_empty() {
-        return Err(Fault::Empty);
+        return Err(Fault::Empty.into());
     }
     let format = Format::detect(head, size, path).ok_or(Fault::Unrecognised)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    Ok((parse(format, &mut Source::new(&mut reader, size), folder)?, format))
+    read(format, &mut Source::new(&mut reader, size), folder)
 }
 
 fn parse(format: Format, source: &mut Source<'_>, folder: &Path) -> Result<Raw, Fault> {
@@ -67,7 +76,11 @@ fn parse(format: Format, source: &mut Source<'_>, folder: &Path) -> Result<Raw, 
 }
 
 /// Checks every coordinate, normalises normals and scales to millimetres.
-fn settle(raw: Raw, format: Format, stated: Option<LengthUnit>) -> Result<Reading, Fault> {
+pub(super) fn settle(
+    raw: Raw,
+    format: Format,
+    stated: Option<LengthUnit>,
+) -> Result<Reading, Fault> {
     let Raw { mut surface, declared, metres_are_customary, mut notes, grid: _ } = raw;
     match &mut surface {
         Surface::Mesh(mesh) => {
@@ -135,7 +148,7 @@ fn drop_nan(cloud: &mut PointCloud) -> Result<Option<String>, Fault> {
     Ok(Some(format!("{} with NaN left out", counted(n_dropped, "point"))))
 }
 
-fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
+pub(super) fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     items.retain(|_| keep.next() == Some(&true));
 }

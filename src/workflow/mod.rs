@@ -2,6 +2,7 @@
 
 pub mod cam;
 pub mod evaluate;
+pub mod reduce;
 pub mod register;
 pub mod scan;
 pub mod simulate_scan;

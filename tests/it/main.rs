@@ -34,6 +34,7 @@ mod page;
 mod parts;
 mod programs;
 mod random_cases;
+mod reduce;
 mod register;
 mod rgbd;
 mod rough_and_finish;

@@ -10,7 +10,7 @@ mod read;
 mod write;
 
 pub(super) use read::{read_glb, read_json};
-pub(super) use write::{write_cloud, write_mesh};
+pub(super) use write::{write_cloud, write_mesh, write_network};
 
 /// First four bytes of a GLB.
 const MAGIC: &[u8; 4] = b"glTF";

@@ -2,6 +2,7 @@
 
 use super::{BIN_CHUNK, JSON_CHUNK, MAGIC};
 use crate::geom::{Aabb, Point3, PointCloud, TriMesh, Vector3};
+use crate::represent::gng::NeuronGraph;
 use serde_json::{Value, json};
 use std::io::{Error, Result, Write};
 
@@ -9,6 +10,7 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_BYTE: u32 = 5121;
 const UNSIGNED_INT: u32 = 5125;
 const POINTS: u32 = 0;
+const LINES: u32 = 1;
 const TRIANGLES: u32 = 4;
 const METRES_PER_MM: f64 = 1e-3;
 
@@ -28,6 +30,18 @@ pub(in crate::io) fn write_cloud(out: &mut dyn Write, cloud: &PointCloud) -> Res
     let mut glb = Glb::default();
     glb.add_vertices(&cloud.points, cloud.normals.as_deref(), cloud.colors.as_deref());
     glb.write(out, json!({ "mode": POINTS }))
+}
+
+/// Writes a network as lines from neuron to neuron.
+pub(in crate::io) fn write_network(out: &mut dyn Write, graph: &NeuronGraph) -> Result<()> {
+    let mut glb = Glb::default();
+    let neurons = &graph.neurons;
+    glb.add_vertices(&neurons.points, neurons.normals.as_deref(), neurons.colors.as_deref());
+    let indices = graph.edges.iter().flat_map(|edge| edge.ends);
+    let value =
+        json!({ "componentType": UNSIGNED_INT, "count": 2 * graph.edges.len(), "type": "SCALAR" });
+    let indices = glb.add(indices.flat_map(u32::to_le_bytes), value);
+    glb.write(out, json!({ "mode": LINES, "indices": indices }))
 }
 
 /// The parts of a file under construction.

@@ -5,8 +5,10 @@
 
 mod header;
 mod read;
+mod stream;
 mod values;
 mod write;
 
-pub(super) use read::read;
-pub(super) use write::{write_cloud, write_mesh};
+pub(super) use read::{read, read_all};
+pub(super) use stream::VertexStream;
+pub(super) use write::{write_cloud, write_mesh, write_network};

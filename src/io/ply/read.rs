@@ -4,22 +4,42 @@ use super::header::{Element, Header};
 use super::values::Values;
 use crate::geom::{Point3, PointCloud, Surface, TriMesh, Vector3};
 use crate::io::faces::Faces;
-use crate::io::fault::Fault;
+use crate::io::fault::{Fault, Place};
 use crate::io::raw::{Raw, RawGrid};
 use crate::io::source::Source;
+use crate::represent::gng::GraphEdge;
 
 /// Reads a PLY file; without faces it is a cloud.
 pub(in crate::io) fn read(source: &mut Source<'_>) -> Result<Raw, Fault> {
+    Ok(read_all(source)?.0)
+}
+
+/// What only a network of neurons has.
+#[derive(Debug, Default)]
+pub(in crate::io) struct Net {
+    /// Two vertices each, and how long ago the edge was confirmed.
+    pub(in crate::io) edges: Vec<GraphEdge>,
+    /// One per vertex, if the file has them.
+    pub(in crate::io) errors: Vec<f64>,
+}
+
+/// Reads a PLY file with all that horma writes into one.
+pub(in crate::io) fn read_all(source: &mut Source<'_>) -> Result<(Raw, Net), Fault> {
     let header = Header::read(source)?;
     let mut values = Values::new(source, header.encoding);
     let mut cloud = PointCloud::default();
     let mut faces = Faces::default();
+    let mut net = Net::default();
     let mut notes = Vec::new();
     let mut grid = None;
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => cloud = read_vertices(&mut values, element)?,
+            "vertex" => cloud = read_vertices(&mut values, element, &mut net.errors)?,
             "face" => read_faces(&mut values, element, &mut faces)?,
+            "edge" => {
+                net.edges = read_edges(&mut values, element, cloud.points.len())?;
+                notes.push(format!("{} edges of a network left out", net.edges.len()));
+            }
             other => {
                 match header.grid {
                     [Some(width), Some(height)] if other == "range_grid" => {
@@ -39,44 +59,112 @@ pub(in crate::io) fn read(source: &mut Source<'_>) -> Result<Raw, Fault> {
         let mesh = faces.into_mesh(cloud.points, 0)?;
         Surface::Mesh(TriMesh { normals: cloud.normals, colors: cloud.colors, ..mesh })
     };
-    Ok(Raw { declared: header.declared, notes, grid, ..Raw::new(surface) })
+    Ok((Raw { declared: header.declared, notes, grid, ..Raw::new(surface) }, net))
 }
 
-fn read_vertices(values: &mut Values<'_, '_>, element: &Element) -> Result<PointCloud, Fault> {
-    let three = |names: [&[&str]; 3]| {
-        let [a, b, c] = names.map(|names| element.position(names));
-        Some([a?, b?, c?])
-    };
-    let Some(position) = three([&["x"], &["y"], &["z"]]) else {
-        return Err(Fault::malformed(values.place(), "the element \"vertex\" has no x, y and z"));
-    };
-    let normal = three([&["nx", "normal_x"], &["ny", "normal_y"], &["nz", "normal_z"]]);
-    let color = three([
-        &["red", "r", "diffuse_red"],
-        &["green", "g", "diffuse_green"],
-        &["blue", "b", "diffuse_blue"],
-    ]);
+/// Where in a row of values what a vertex has stands.
+#[derive(Debug, Clone)]
+pub(super) struct Columns {
+    position: [usize; 3],
+    normal: Option<[usize; 3]>,
+    color: Option<[usize; 3]>,
+    /// What a color is multiplied by.
+    full: f64,
+    error: Option<usize>,
+}
+
+impl Columns {
+    /// Those of `element`, which begins at `place`.
+    pub(super) fn of(element: &Element, place: Place) -> Result<Self, Fault> {
+        let three = |names: [&[&str]; 3]| {
+            let [a, b, c] = names.map(|names| element.position(names));
+            Some([a?, b?, c?])
+        };
+        let Some(position) = three([&["x"], &["y"], &["z"]]) else {
+            return Err(Fault::malformed(place, "the element \"vertex\" has no x, y and z"));
+        };
+        let color = three([
+            &["red", "r", "diffuse_red"],
+            &["green", "g", "diffuse_green"],
+            &["blue", "b", "diffuse_blue"],
+        ]);
+        let is_whole = |color: [usize; 3]| element.properties[color[0]].item.is_integer();
+        Ok(Self {
+            position,
+            normal: three([&["nx", "normal_x"], &["ny", "normal_y"], &["nz", "normal_z"]]),
+            color,
+            full: if color.is_none_or(is_whole) { 1.0 } else { 255.0 },
+            error: element.position(&["error"]),
+        })
+    }
+
+    /// A cloud with room for `n_points`.
+    pub(super) fn cloud(&self, n_points: usize) -> PointCloud {
+        PointCloud {
+            points: Vec::with_capacity(n_points),
+            normals: self.normal.map(|_| Vec::with_capacity(n_points)),
+            colors: self.color.map(|_| Vec::with_capacity(n_points)),
+        }
+    }
+
+    /// Adds the vertex in `row` to the cloud.
+    #[inline]
+    pub(super) fn push(&self, row: &[f64], cloud: &mut PointCloud) {
+        cloud.points.push(Point3::from(self.position.map(|i| row[i])));
+        if let (Some(normal), Some(normals)) = (self.normal, &mut cloud.normals) {
+            normals.push(Vector3::from(normal.map(|i| row[i])));
+        }
+        if let (Some(color), Some(colors)) = (self.color, &mut cloud.colors) {
+            colors.push(color.map(|i| (row[i] * self.full).round() as u8));
+        }
+    }
+}
+
+fn read_vertices(
+    values: &mut Values<'_, '_>,
+    element: &Element,
+    errors: &mut Vec<f64>,
+) -> Result<PointCloud, Fault> {
+    let columns = Columns::of(element, values.place())?;
     let n_points = values.count(element)?;
-    let mut cloud = PointCloud {
-        points: Vec::with_capacity(n_points),
-        normals: normal.map(|_| Vec::with_capacity(n_points)),
-        colors: color.map(|_| Vec::with_capacity(n_points)),
-    };
+    let mut cloud = columns.cloud(n_points);
     let mut row = vec![0.0; element.properties.len()];
     for _ in 0..n_points {
         values.read_element(element, &mut row, None, &mut Vec::new())?;
-        cloud.points.push(Point3::from(position.map(|i| row[i])));
-        if let (Some(normal), Some(normals)) = (normal, &mut cloud.normals) {
-            normals.push(Vector3::from(normal.map(|i| row[i])));
-        }
-        if let (Some(color), Some(colors)) = (color, &mut cloud.colors) {
-            colors.push(color.map(|i| {
-                let full = if element.properties[i].item.is_integer() { 1.0 } else { 255.0 };
-                (row[i] * full).round() as u8
-            }));
-        }
+        columns.push(&row, &mut cloud);
+        errors.extend(columns.error.map(|i| row[i]));
     }
     Ok(cloud)
+}
+
+/// The edges between `n_points` vertices.
+fn read_edges(
+    values: &mut Values<'_, '_>,
+    element: &Element,
+    n_points: usize,
+) -> Result<Vec<GraphEdge>, Fault> {
+    let ends = ["vertex1", "vertex2"].map(|name| element.position(&[name]));
+    let [Some(first), Some(second)] = ends else {
+        let problem = "the element \"edge\" has no vertex1 and vertex2";
+        return Err(Fault::malformed(values.place(), problem));
+    };
+    let age = element.position(&["age"]);
+    let n_edges = values.count(element)?;
+    let mut edges = Vec::with_capacity(n_edges);
+    let mut row = vec![0.0; element.properties.len()];
+    for _ in 0..n_edges {
+        values.read_element(element, &mut row, None, &mut Vec::new())?;
+        let ends = [row[first], row[second]];
+        let is_there = |end: &f64| end.fract() == 0.0 && (0.0..n_points as f64).contains(end);
+        if let Some(bad) = ends.iter().find(|end| !is_there(end)) {
+            let problem = format!("an edge names vertex {bad}, but there are only {n_points}");
+            return Err(Fault::malformed(values.place(), problem));
+        }
+        let [a, b] = ends.map(|end| end as u32);
+        let age = age.map_or(0, |i| row[i].clamp(0.0, f64::from(u32::MAX)) as u32);
+        edges.push(GraphEdge { ends: [a.min(b), a.max(b)], age });
+    }
+    Ok(edges)
 }
 
 fn read_faces(

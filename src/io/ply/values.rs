@@ -137,7 +137,8 @@ impl<'s, 'a> Values<'s, 'a> {
 }
 
 /// A value from its bytes, the lowest first.
-fn decode(kind: Scalar, bytes: &[u8]) -> f64 {
+#[inline]
+pub(super) fn decode(kind: Scalar, bytes: &[u8]) -> f64 {
     let mut wide = [0; 8];
     wide[..bytes.len()].copy_from_slice(bytes);
     let bits = u64::from_le_bytes(wide);

@@ -1,6 +1,7 @@
 //! Writing PLY, binary little endian. Positions are doubles, so that nothing is lost.
 
 use crate::geom::{PointCloud, TriMesh, Vector3};
+use crate::represent::gng::NeuronGraph;
 use std::io::{Result, Write};
 
 /// Writes a mesh with what normals and colours it has.
@@ -9,6 +10,7 @@ pub(in crate::io) fn write_mesh(out: &mut dyn Write, mesh: &TriMesh) -> Result<(
         points: &mesh.points,
         normals: mesh.normals.as_deref(),
         colors: mesh.colors.as_deref(),
+        errors: None,
     };
     vertices.write_header(out)?;
     writeln!(out, "element face {}", mesh.triangles.len())?;
@@ -29,16 +31,38 @@ pub(in crate::io) fn write_cloud(out: &mut dyn Write, cloud: &PointCloud) -> Res
         points: &cloud.points,
         normals: cloud.normals.as_deref(),
         colors: cloud.colors.as_deref(),
+        errors: None,
     };
     vertices.write_header(out)?;
     writeln!(out, "end_header")?;
     vertices.write(out)
 }
 
+/// Writes a network: its neurons as vertices with their errors, its edges with their ages.
+pub(in crate::io) fn write_network(out: &mut dyn Write, graph: &NeuronGraph) -> Result<()> {
+    let vertices = Vertices {
+        points: &graph.neurons.points,
+        normals: graph.neurons.normals.as_deref(),
+        colors: graph.neurons.colors.as_deref(),
+        errors: Some(&graph.errors),
+    };
+    vertices.write_header(out)?;
+    writeln!(out, "element edge {}", graph.edges.len())?;
+    writeln!(out, "property int vertex1\nproperty int vertex2\nproperty uint age\nend_header")?;
+    vertices.write(out)?;
+    for edge in &graph.edges {
+        for number in [edge.ends[0], edge.ends[1], edge.age] {
+            out.write_all(&number.to_le_bytes())?;
+        }
+    }
+    Ok(())
+}
+
 struct Vertices<'a> {
     points: &'a [crate::geom::Point3],
     normals: Option<&'a [Vector3]>,
     colors: Option<&'a [[u8; 3]]>,
+    errors: Option<&'a [f64]>,
 }
 
 impl Vertices<'_> {
@@ -52,6 +76,9 @@ impl Vertices<'_> {
             for name in names {
                 writeln!(out, "property {kind} {name}")?;
             }
+        }
+        if self.errors.is_some() {
+            writeln!(out, "property double error")?;
         }
         Ok(())
     }
@@ -68,6 +95,9 @@ impl Vertices<'_> {
             }
             if let Some(colors) = self.colors {
                 out.write_all(&colors[i_point])?;
+            }
+            if let Some(errors) = self.errors {
+                out.write_all(&errors[i_point].to_le_bytes())?;
             }
         }
         Ok(())

@@ -11,6 +11,8 @@ mod evaluate;
 mod info;
 mod last;
 mod machine;
+mod mean_error;
+mod reduce;
 mod register;
 mod restart;
 mod rough;
@@ -76,6 +78,8 @@ enum Command {
     Evaluate(evaluate::EvaluateArgs),
     Register(Box<register::RegisterArgs>),
     Scan(Box<scan::ScanArgs>),
+    Reduce(Box<reduce::ReduceArgs>),
+    MeanError(mean_error::MeanErrorArgs),
     Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
@@ -103,6 +107,8 @@ impl Cli {
             Command::Evaluate(args) => evaluate::run(args, &self.shell),
             Command::Scan(args) => scan::run(args, &self.shell),
             Command::Register(args) => register::run(args, &self.shell),
+            Command::Reduce(args) => reduce::run(args, &self.shell),
+            Command::MeanError(args) => mean_error::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
             Command::Last(args) => last::run(args, &self.shell),
