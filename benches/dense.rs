@@ -5,12 +5,11 @@
 use horma::geom::Pose;
 use horma::io::rgbd::{DepthCamera, Sequence, open_sequence};
 use horma::progress::Silent;
-use horma::register::dense::{
-    DenseOptions, Pyramid, Residuals, TrackedFrame, align_frames, track_frames,
-};
+use horma::register::dense::{DenseOptions, Pyramid, Residuals, align_frames};
 use horma::register::icp::Verdict;
+use horma::register::odometry::{OdometryOptions, Placed, Tracker};
 use horma::register::{Delta, OdometryErrorOptions, odometry_error};
-use horma::rgbd::{CameraTrajectory, RgbdFrame};
+use horma::rgbd::{CameraTrajectory, RgbdFrame, StampedPose};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -49,16 +48,23 @@ fn truth(sequence: &Sequence) -> &CameraTrajectory {
 }
 
 fn follow(cut: &str, sequence: &Sequence, frames: &[RgbdFrame], residuals: Residuals) {
-    let options = DenseOptions { residuals, ..DenseOptions::default() };
-    let camera = &sequence.camera.camera;
+    let dense = DenseOptions { residuals, ..DenseOptions::default() };
+    let options = OdometryOptions { dense, ..OdometryOptions::default() };
     let begin = Instant::now();
-    let track = track_frames(frames.iter().cloned().map(Ok), camera, &options, &Silent);
+    let mut tracker = Tracker::new(sequence.camera.camera, options).expect("options");
+    // Frames are dropped when they are no longer needed, as a scan does.
+    let told = |placed: Placed| (placed.stamp, placed.world_from_camera, placed.verdict);
+    let placed =
+        frames.iter().map(|frame| told(tracker.add(frame.clone(), &Silent).expect("told")));
+    let placed: Vec<_> = placed.collect();
     let ms = begin.elapsed().as_secs_f64() * 1e3 / frames.len() as f64;
-    let track = track.expect("a track");
+    let pose = |&(stamp, pose, _): &(f64, Option<Pose>, Verdict)| {
+        pose.map(|world_from_camera| StampedPose { stamp, world_from_camera })
+    };
+    let track = CameraTrajectory::new(placed.iter().filter_map(pose).collect()).expect("a track");
     let deltas = vec![Delta::Poses(1), Delta::Poses(30)];
     let judged = OdometryErrorOptions { deltas, ..OdometryErrorOptions::default() };
-    let error = odometry_error(&track.trajectory, truth(sequence), &judged).expect("an error");
-    let is_ok = |f: &&TrackedFrame| f.motion.as_ref().is_some_and(|m| m.verdict == Verdict::Ok);
+    let error = odometry_error(&track, truth(sequence), &judged).expect("an error");
     println!(
         "{cut:21} {residuals:18?} RPE {:.2} mm {:.3} deg, 1 s {:.1} mm, ATE {:.2} mm, {ms:.0} ms a frame, \
          {} of {} placed, {} ok",
@@ -66,9 +72,9 @@ fn follow(cut: &str, sequence: &Sequence, frames: &[RgbdFrame], residuals: Resid
         error.relative[0].rotation.rmse.to_degrees(),
         error.relative[1].translation.rmse,
         error.absolute.statistics.rmse,
-        track.trajectory.poses().len(),
+        track.poses().len(),
         frames.len(),
-        track.frames.iter().filter(is_ok).count(),
+        placed.iter().filter(|(_, _, verdict)| *verdict == Verdict::Ok).count(),
     );
 }
 

@@ -14,6 +14,7 @@ pub mod icp;
 pub mod odometry;
 mod odometry_error;
 pub mod ransac;
+mod small_motion;
 mod statistics;
 
 pub use align::align;

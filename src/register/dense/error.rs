@@ -1,7 +1,6 @@
 //! Why frames could not even be tried.
 
-use crate::progress::Cancelled;
-use crate::rgbd::{RgbdError, SequenceError};
+use crate::rgbd::RgbdError;
 
 /// Why frames could not even be tried.
 #[derive(Debug, thiserror::Error)]
@@ -18,8 +17,8 @@ pub enum DenseError {
     },
     /// There is no brightness to compare.
     #[error(
-        "the frame has no colour picture, which dense odometry compares; choose a method that goes by \
-         depth alone (icp)"
+        "the frame has no colour picture, which dense odometry compares; choose the method that goes by \
+         depth alone (--method icp)"
     )]
     NoColour,
     /// Too small to be halved so often.
@@ -44,10 +43,4 @@ pub enum DenseError {
     /// A frame or a camera that is none.
     #[error(transparent)]
     Rgbd(#[from] RgbdError),
-    /// A frame that cannot be had.
-    #[error(transparent)]
-    Sequence(#[from] SequenceError),
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
 }

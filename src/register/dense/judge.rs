@@ -7,6 +7,7 @@ use super::warp::{Batch, Warp};
 use super::{DenseOptions, Pyramid};
 use crate::geom::{Point3, Pose};
 use crate::register::icp::{FreeMotion, Verdict, free_motions};
+use crate::register::small_motion::surety;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 
 /// A point that should be this much nearer than what is seen is seen through [share of depth].
@@ -59,10 +60,6 @@ impl DenseMotion {
     pub fn surety(&self) -> f64 {
         surety(&self.information)
     }
-}
-
-pub(super) fn surety(information: &Matrix6<f64>) -> f64 {
-    0.5 * information.determinant().max(f64::MIN_POSITIVE).ln()
 }
 
 /// Looks at where a descent ended; `back` is where one from there in the other direction ended.

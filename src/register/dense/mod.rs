@@ -21,7 +21,6 @@ mod options;
 mod points;
 mod pyramid;
 mod search;
-mod track;
 mod verdict;
 mod warp;
 
@@ -29,13 +28,13 @@ pub use error::DenseError;
 pub use judge::DenseMotion;
 pub use options::{DenseOptions, Light, Residuals, Search};
 pub use pyramid::Pyramid;
-pub use track::{DenseTrack, FrameRole, TrackedFrame, track_frames};
 pub use verdict::DenseReason;
 
 use crate::geom::Pose;
 use crate::register::icp::Verdict;
+use crate::register::small_motion::surety;
 use descend::descend;
-use judge::{judge, surety};
+use judge::judge;
 
 /// Turns that are begun at when the start led nowhere.
 const STARTS: usize = 3;

@@ -34,10 +34,6 @@ pub struct DenseOptions {
     /// When turns of the camera are tried besides the start.
     #[arg(long = "dense-search", value_enum, default_value_t = Self::default().search)]
     pub search: Search,
-    /// A new key frame is taken when a pose is known less well than the first one after the key frame by
-    /// this factor, on the mean over its six directions.
-    #[arg(long = "dense-key-frame", value_name = "FACTOR", default_value_t = Self::default().key_frame)]
-    pub key_frame: f64,
 }
 
 /// What must agree.
@@ -81,7 +77,6 @@ impl Default for DenseOptions {
             prior_turn_deg: None,
             prior_shift: None,
             search: Search::WhenLost,
-            key_frame: 1.3,
         }
     }
 }
@@ -110,9 +105,6 @@ impl DenseOptions {
                 return refuse(option, value, "a number above 0");
             }
         }
-        if !(self.key_frame > 1.0 && self.key_frame.is_finite()) {
-            return refuse("--dense-key-frame", self.key_frame, "a number above 1");
-        }
         Ok(())
     }
 }
@@ -131,7 +123,6 @@ mod tests {
             (DenseOptions { iterations: 0, ..good.clone() }, "--dense-iterations"),
             (DenseOptions { prior_turn_deg: Some(0.0), ..good.clone() }, "--dense-prior-turn"),
             (DenseOptions { prior_shift: Some(f64::NAN), ..good.clone() }, "--dense-prior-shift"),
-            (DenseOptions { key_frame: 1.0, ..good.clone() }, "--dense-key-frame is 1"),
         ] {
             let error = bad.check().unwrap_err().to_string();
             assert!(error.starts_with(name), "{error}");

@@ -1,8 +1,7 @@
 use super::*;
 use crate::geom::{Point3, Vector3};
-use crate::progress::Silent;
-use crate::rgbd::simulated::{BuiltinScene, Noise, NoiseKind, Orbit, SimulatedSensor};
-use crate::rgbd::{Camera, Image, RgbdFrame, SequenceError, StampedPose};
+use crate::rgbd::simulated::{BuiltinScene, Noise, NoiseKind, SimulatedSensor};
+use crate::rgbd::{Camera, Image, RgbdFrame, StampedPose};
 use nalgebra::UnitQuaternion;
 
 fn camera() -> Camera {
@@ -178,33 +177,4 @@ fn frames_that_cannot_be_compared_are_told() {
     let other = Pyramid::new(&frame, &other, &options()).unwrap();
     let error = align_frames(&good, &other, &Pose::identity(), &options()).unwrap_err();
     assert!(matches!(error, DenseError::Cameras));
-}
-
-#[test]
-fn a_hand_held_walk_is_followed_and_a_covered_frame_is_skipped() {
-    let orbit = Orbit { center: Point3::origin(), axis: Vector3::z(), distance: 1500.0 };
-    let truth = orbit.hand_held(120, 0.6, 5)[..12].to_vec();
-    let noise = Noise { kind: NoiseKind::Kinect, sigma: 1.0, seed: 3 };
-    let sensor = SimulatedSensor { camera: camera(), noise };
-    let scene = BuiltinScene::TexturedStructured.build();
-    let frames = truth.iter().enumerate().map(|(number, pose)| {
-        let mut frame = sensor.expose(&scene, pose, number);
-        if number == 5 {
-            frame.depth = frame.depth.map(|_| 0.0);
-        }
-        Ok::<_, SequenceError>(frame)
-    });
-    let track = track_frames(frames, &camera(), &options(), &Silent).unwrap();
-    assert!(matches!(track.frames[5].role, FrameRole::Unusable(_)));
-    assert_eq!(track.frames[0].role, FrameRole::First);
-    assert_eq!((track.frames.len(), track.trajectory.poses().len()), (12, 11));
-    let first = truth[0].world_from_camera;
-    for found in track.trajectory.poses() {
-        let true_pose = truth.iter().find(|pose| pose.stamp == found.stamp).unwrap();
-        let expected = first.inverse() * true_pose.world_from_camera;
-        let off = expected.inverse() * found.world_from_camera;
-        let shift = off.translation.vector.norm();
-        // Noise of depth is 3.5 mm a pixel there.
-        assert!(shift < 3.0 && off.rotation.angle() < 0.002, "{} {shift}", found.stamp);
-    }
 }

@@ -2,6 +2,7 @@
 
 use crate::geom::{Point3, PointCloud};
 use crate::progress::Silent;
+use crate::register::dense::{DenseError, DenseOptions, Pyramid};
 use crate::register::features::{FeatureOptions, Features};
 use crate::register::icp::{IcpError, Role, View, ViewOptions};
 use crate::rgbd::{Camera, Image, RgbdError, RgbdFrame, grey};
@@ -31,6 +32,7 @@ pub struct Look {
     grey: OnceLock<Option<Image<f32>>>,
     features: OnceLock<Option<Features>>,
     surface: OnceLock<Result<Surface, IcpError>>,
+    pyramid: OnceLock<Result<Pyramid, DenseError>>,
 }
 
 /// What a frame shows, as points.
@@ -49,8 +51,16 @@ impl Look {
         frame.check_depth()?;
         let median_depth = f64::from(median(&frame));
         let voxel = voxel.unwrap_or(median_depth / VOXELS_DEEP);
-        let (grey, features, surface) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Ok(Self { frame, camera, voxel, median_depth, grey, features, surface })
+        Ok(Self {
+            frame,
+            camera,
+            voxel,
+            median_depth,
+            grey: OnceLock::new(),
+            features: OnceLock::new(),
+            surface: OnceLock::new(),
+            pyramid: OnceLock::new(),
+        })
     }
 
     /// How bright it is, 0 to 1; `None` without colours.
@@ -62,6 +72,12 @@ impl Look {
     pub fn features(&self) -> Option<&Features> {
         let find = || Some(Features::of(self.grey()?, &FeatureOptions::default()));
         self.features.get_or_init(find).as_ref()
+    }
+
+    /// Pictures of it from fine to coarse, by the options it is first asked with.
+    pub(super) fn pyramid(&self, options: &DenseOptions) -> Result<&Pyramid, &DenseError> {
+        let make = || Pyramid::new(&self.frame, &self.camera, options);
+        self.pyramid.get_or_init(make).as_ref()
     }
 
     /// The point seen at `pixel`, in the camera's frame; `None` where there is no depth, or an edge.

@@ -8,6 +8,7 @@
 //! corrected or discarded".
 
 mod agreement;
+mod by_dense;
 mod by_icp;
 mod look;
 mod motion;
@@ -20,7 +21,7 @@ pub use agreement::{Agreement, agreement};
 pub use look::Look;
 pub use motion::{Doubt, Motion};
 pub use options::{Method, OdometryError, OdometryOptions};
-pub use tracker::{FrameRole, Placed, Tracker};
+pub use tracker::{FrameRole, Link, Placed, Tracker};
 
 use crate::geom::Pose;
 use crate::progress::{Cancelled, Progress};
@@ -37,9 +38,13 @@ pub fn motion(
     progress: &dyn Progress,
 ) -> Result<Motion, Cancelled> {
     let found = match options.method {
+        Method::Dvo => by_dense::motion(previous, next, guess, options),
         Method::Visual => visual::motion(previous, next, guess, options),
         Method::VisualIcp => visual::motion_then_icp(previous, next, guess, options, progress)?,
         Method::Icp => by_icp::motion(previous, next, guess, options, progress)?,
     };
     Ok(found.within_bounds(guess, options).seen_in(previous, next))
 }
+
+#[cfg(test)]
+mod tests;

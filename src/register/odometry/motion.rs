@@ -3,8 +3,10 @@
 use super::agreement::agreement;
 use super::{Look, OdometryOptions};
 use crate::geom::Pose;
+use crate::register::dense::DenseReason;
 use crate::register::icp;
 use crate::register::icp::Verdict;
+use crate::register::small_motion::surety;
 use nalgebra::Matrix6;
 use std::fmt;
 
@@ -36,6 +38,8 @@ pub enum Doubt {
     Unusable(String),
     /// The surfaces say so.
     Surface(icp::Reason),
+    /// The pictures say so.
+    Dense(DenseReason),
     /// Hardly a feature agrees.
     FewInliers {
         /// Those that agree.
@@ -102,6 +106,11 @@ impl Motion {
         }
     }
 
+    /// How surely it is known: minus its differential entropy, but for a constant.
+    pub fn surety(&self) -> f64 {
+        surety(&self.information)
+    }
+
     /// The same, failed if it leads farther from `guess` than a camera is moved between two frames.
     #[must_use]
     pub(super) fn within_bounds(mut self, guess: &Pose, options: &OdometryOptions) -> Self {
@@ -150,6 +159,7 @@ impl Doubt {
             | Self::Unsteady { .. }
             | Self::SeenThrough { .. } => Verdict::Doubtful,
             Self::Surface(reason) => reason.verdict(),
+            Self::Dense(reason) => reason.verdict(),
         }
     }
 }
@@ -159,6 +169,7 @@ impl fmt::Display for Doubt {
         match self {
             Self::Unusable(why) => f.write_str(why),
             Self::Surface(reason) => reason.fmt(f),
+            Self::Dense(reason) => reason.fmt(f),
             Self::FewInliers { n, of, least } => {
                 write!(f, "{n} of {of} matched features agree; {least} must")
             }

@@ -1,5 +1,6 @@
 //! How a camera is followed.
 
+use crate::register::dense::{DenseError, DenseOptions};
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
@@ -14,10 +15,13 @@ pub struct OdometryOptions {
     /// median depth].
     #[arg(long, value_name = "MM")]
     pub icp_voxel: Option<f64>,
-    /// A frame that shows less than this share of what its key frame shows becomes the next key
-    /// frame.
+    /// Another key frame is taken when less than this share of what the last one shows is seen.
     #[arg(long, value_name = "SHARE", default_value_t = Self::default().key_overlap)]
     pub key_overlap: f64,
+    /// Another key frame is taken when a pose is known less well than the first one after the key
+    /// frame by this factor, on the mean over its six directions [default: 1.3 with dvo, else 4].
+    #[arg(long, value_name = "FACTOR")]
+    pub key_factor: Option<f64>,
     /// A camera that is farther than this from where it was expected got lost [mm].
     #[arg(long, value_name = "MM", default_value_t = Self::default().most_moved)]
     pub most_moved: f64,
@@ -27,12 +31,17 @@ pub struct OdometryOptions {
     /// What is drawn is drawn from this seed.
     #[arg(long, value_name = "N", default_value_t = Self::default().seed)]
     pub seed: u64,
+    /// How pictures are laid over each other by all they show.
+    #[command(flatten)]
+    pub dense: DenseOptions,
 }
 
 /// What the motion from frame to frame is found by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
+    /// All that pictures show: brightness and depth of every surface.
+    Dvo,
     /// Features: corners found again, and what most of them agree on.
     Visual,
     /// Features, then surfaces where the pictures agree better for it.
@@ -42,7 +51,7 @@ pub enum Method {
 }
 
 /// Why a camera cannot be followed at all.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum OdometryError {
     /// A number that means nothing.
     #[error("{option} is {value}; it must be {must}")]
@@ -54,6 +63,9 @@ pub enum OdometryError {
         /// What would do.
         must: &'static str,
     },
+    /// Pictures cannot be laid over each other like that.
+    #[error(transparent)]
+    Dense(#[from] DenseError),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] crate::progress::Cancelled),
@@ -62,17 +74,27 @@ pub enum OdometryError {
 impl Default for OdometryOptions {
     fn default() -> Self {
         Self {
-            method: Method::Visual,
+            method: Method::Dvo,
             icp_voxel: None,
-            key_overlap: 0.85,
+            key_overlap: 0.6,
+            key_factor: None,
             most_moved: 400.0,
             most_turned_deg: 30.0,
             seed: 1,
+            dense: DenseOptions::default(),
         }
     }
 }
 
 impl OdometryOptions {
+    /// By what a pose is known less well when another key frame is taken.
+    ///
+    /// How many features agree changes from frame to frame, and what is known with it; what all pixels
+    /// know wears off steadily.
+    pub fn key_factor(&self) -> f64 {
+        self.key_factor.unwrap_or(if self.method == Method::Dvo { 1.3 } else { 4.0 })
+    }
+
     /// Refuses numbers that mean nothing.
     pub fn check(&self) -> Result<(), OdometryError> {
         let positive = "a number above 0";
@@ -86,13 +108,14 @@ impl OdometryOptions {
             ),
             ("--most-moved", self.most_moved, positive, is_positive),
             ("--most-turned-deg", self.most_turned_deg, positive, is_positive),
+            ("--key-factor", self.key_factor(), "a number above 1", |x| x > 1.0 && x.is_finite()),
             ("--key-overlap", self.key_overlap, "from 0 to 1", |x| (0.0..=1.0).contains(&x)),
         ] {
             if !is_good(value) {
                 return Err(OdometryError::Option { option, value, must });
             }
         }
-        Ok(())
+        Ok(self.dense.check()?)
     }
 }
 
@@ -109,6 +132,14 @@ mod tests {
             (OdometryOptions { most_moved: f64::NAN, ..good.clone() }, "--most-moved is NaN"),
             (OdometryOptions { most_turned_deg: -1.0, ..good.clone() }, "--most-turned-deg is -1"),
             (OdometryOptions { key_overlap: 1.5, ..good.clone() }, "--key-overlap is 1.5"),
+            (OdometryOptions { key_factor: Some(1.0), ..good.clone() }, "--key-factor is 1"),
+            (
+                OdometryOptions {
+                    dense: DenseOptions { levels: 0, ..DenseOptions::default() },
+                    ..good.clone()
+                },
+                "--dense-levels is 0",
+            ),
         ] {
             let error = bad.check().unwrap_err().to_string();
             assert!(error.starts_with(name), "{error}");

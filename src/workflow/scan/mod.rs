@@ -9,7 +9,7 @@ pub use report::{FrameReport, ScanReport, VerdictCounts};
 
 use crate::geom::{PointCloud, VoxelError};
 use crate::progress::{Cancelled, Progress};
-use crate::register::odometry::{Doubt, Look, OdometryError, Placed, Tracker};
+use crate::register::odometry::{Doubt, FrameRole, Look, OdometryError, Tracker};
 use crate::register::{Delta, OdometryErrorOptions, Unmatched};
 use crate::rgbd::{
     Camera, CameraTrajectory, NormalOptions, RgbdError, RgbdFrame, SequenceError, StampedPose,
@@ -84,7 +84,7 @@ pub fn scan(
     for (frame, &stamp) in frames.zip(&job.stamps) {
         let placed = match frame {
             Ok(frame) => tracker.add(frame, progress)?,
-            Err(error) => Placed::skipped(stamp, vec![Doubt::Unusable(error.to_string())], None),
+            Err(error) => tracker.miss(stamp, Doubt::Unusable(error.to_string())),
         };
         if let (Some(pose), Some(look)) = (placed.world_from_camera, &placed.look) {
             let voxel = look.median_depth / ScanOptions::VOXELS_DEEP;
@@ -97,6 +97,9 @@ pub fn scan(
             n_placed += 1;
         }
         told.push(FrameReport::of(&placed));
+        if let Some(link) = placed.link {
+            told[link.key].role = FrameRole::Key;
+        }
         progress.advance(1)?;
         progress.tell(&format!("{n_placed} of {} placed", told.len()));
     }

@@ -72,7 +72,11 @@ impl FrameReport {
         Self {
             stamp: placed.stamp,
             verdict: placed.verdict,
-            role: placed.role,
+            role: if placed.world_from_camera.is_some() {
+                FrameRole::Placed
+            } else {
+                FrameRole::Skipped
+            },
             reasons: placed.reasons.iter().map(ToString::to_string).collect(),
         }
     }

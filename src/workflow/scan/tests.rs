@@ -43,7 +43,7 @@ fn scanned(
 #[test]
 fn every_method_follows_a_camera_before_texture_and_structure() {
     let walk = walk(BuiltinScene::TexturedStructured, NoiseKind::Kinect);
-    for method in [Method::Visual, Method::VisualIcp, Method::Icp] {
+    for method in [Method::Dvo, Method::Visual, Method::VisualIcp, Method::Icp] {
         let found = scanned(&walk, &options(method), |_, frame| Ok(frame)).unwrap();
         let report = &found.report;
         assert_eq!(report.counts.skipped, 0, "{method:?}: {:?}", report.reasons());
@@ -74,7 +74,7 @@ fn features_follow_where_surfaces_cannot_and_surfaces_where_features_cannot() {
 #[test]
 fn a_bare_wall_is_refused_by_every_method() {
     let bare = walk(BuiltinScene::PlainFlat, NoiseKind::Kinect);
-    for method in [Method::Visual, Method::VisualIcp, Method::Icp] {
+    for method in [Method::Dvo, Method::Visual, Method::VisualIcp, Method::Icp] {
         let found = scanned(&bare, &options(method), |_, frame| Ok(frame)).unwrap();
         assert_eq!(found.report.verdict, Verdict::Failed, "{method:?}");
         assert_eq!(found.report.counts.skipped, 7, "all but the first");
