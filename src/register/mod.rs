@@ -13,6 +13,7 @@ mod free_space;
 pub mod icp;
 pub mod odometry;
 mod odometry_error;
+pub mod pose_graph;
 pub mod ransac;
 mod small_motion;
 mod statistics;
