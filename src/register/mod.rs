@@ -3,6 +3,7 @@
 //!
 //! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known, [`dense`] follows
 //! a camera by all that its frames show, [`odometry`] from frame to frame by one method or another;
+//! [`loops`] finds where it came back to, and [`pose_graph`] what that says of all its way;
 //! [`align`] is the closed form for paired points.
 
 mod align;
@@ -11,6 +12,7 @@ pub mod dense;
 pub mod features;
 mod free_space;
 pub mod icp;
+pub mod loops;
 pub mod odometry;
 mod odometry_error;
 pub mod pose_graph;

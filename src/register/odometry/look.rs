@@ -63,6 +63,26 @@ impl Look {
         })
     }
 
+    /// The same frame with nothing but its features, to be kept for long: the rest is large, and made
+    /// again where it is needed.
+    pub(in crate::register) fn bare(&self) -> Self {
+        let features = OnceLock::new();
+        if let Some(known) = self.features.get() {
+            // A cell that was just made is empty.
+            let _ = features.set(known.clone());
+        }
+        Self {
+            frame: self.frame.clone(),
+            camera: self.camera,
+            voxel: self.voxel,
+            median_depth: self.median_depth,
+            grey: OnceLock::new(),
+            features,
+            surface: OnceLock::new(),
+            pyramid: OnceLock::new(),
+        }
+    }
+
     /// How bright it is, 0 to 1; `None` without colours.
     pub fn grey(&self) -> Option<&Image<f32>> {
         self.grey.get_or_init(|| self.frame.color.as_ref().map(grey)).as_ref()

@@ -63,6 +63,13 @@ pub enum Doubt {
         /// And a turn [deg].
         turned_deg: f64,
     },
+    /// Features say something else than what was found.
+    Contradicted {
+        /// By a way [mm].
+        moved: f64,
+        /// And a turn [deg].
+        turned_deg: f64,
+    },
     /// Laid over each other, the frames have hardly a point in common.
     Apart,
     /// One camera would have looked through what the other saw.
@@ -104,6 +111,13 @@ impl Motion {
             information,
             overlap: 0.0,
         }
+    }
+
+    /// The same, with what else speaks against it.
+    #[must_use]
+    pub(in crate::register) fn doubted(mut self, doubt: Doubt) -> Self {
+        self.reasons.push(doubt);
+        Self::new(self.previous_from_next, self.reasons, self.information, self.overlap)
     }
 
     /// How surely it is known: minus its differential entropy, but for a constant.
@@ -157,10 +171,23 @@ impl Doubt {
             Self::FewInliers { .. }
             | Self::Open { .. }
             | Self::Unsteady { .. }
+            | Self::Contradicted { .. }
             | Self::SeenThrough { .. } => Verdict::Doubtful,
             Self::Surface(reason) => reason.verdict(),
             Self::Dense(reason) => reason.verdict(),
         }
+    }
+}
+
+impl Doubt {
+    /// True if it says no more than that the motion is weakly held, which its information says too.
+    pub fn is_weakness(&self) -> bool {
+        matches!(
+            self,
+            Self::Open { .. }
+                | Self::Surface(icp::Reason::Weak { .. })
+                | Self::Dense(DenseReason::Weak { .. })
+        )
     }
 }
 
@@ -181,6 +208,9 @@ impl fmt::Display for Doubt {
                 f,
                 "half of the features differ from the other half by {moved:.0} mm and {turned_deg:.2} deg"
             ),
+            Self::Contradicted { moved, turned_deg } => {
+                write!(f, "features say something else, by {moved:.0} mm and {turned_deg:.2} deg")
+            }
             Self::Apart => {
                 f.write_str("laid over each other, the frames have hardly a point in common")
             }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// How a pose graph is settled.
 #[derive(Debug, Clone, PartialEq, clap::Args, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(default, rename_all = "kebab-case")]
 pub struct GraphOptions {
     /// What becomes of loops that do not fit the others.
     #[arg(long, value_enum, default_value_t = Self::default().loop_kernel)]

@@ -5,20 +5,24 @@ mod options;
 mod report;
 
 pub use options::ScanOptions;
-pub use report::{FrameReport, ScanReport, VerdictCounts};
+pub use report::{FrameReport, LoopReport, LoopResult, LoopsReport, ScanReport, VerdictCounts};
 
-use crate::geom::{PointCloud, VoxelError};
+use crate::geom::{Point3, PointCloud, Pose, VoxelError};
 use crate::progress::{Cancelled, Progress};
-use crate::register::odometry::{Doubt, FrameRole, Look, OdometryError, Tracker};
-use crate::register::{Delta, OdometryErrorOptions, Unmatched};
+use crate::register::loops::{Closed, KeyFrames, Step, close_loops};
+use crate::register::odometry::{Doubt, FrameRole, OdometryError, Placed, Tracker};
+use crate::register::pose_graph::GraphError;
 use crate::rgbd::{
-    Camera, CameraTrajectory, NormalOptions, RgbdError, RgbdFrame, SequenceError, StampedPose,
+    Camera, CameraTrajectory, NormalOptions, OrganisedCloud, RgbdError, RgbdFrame, SequenceError,
+    StampedPose,
 };
-use crate::workflow::evaluate::evaluate;
 use gather::Gathered;
 
 /// Every second pixel of every second row goes into the cloud: voxels are larger anyway.
 const STEP: usize = 2;
+
+/// How far around a point its neighbours are looked for, if they are asked for by radius [voxels].
+const OUTLIER_VOXELS: f64 = 4.0;
 
 /// What is scanned.
 #[derive(Debug)]
@@ -55,6 +59,9 @@ pub enum ScanError {
     /// The camera cannot be followed at all.
     #[error(transparent)]
     Odometry(#[from] OdometryError),
+    /// Loops cannot be weighed against the walk.
+    #[error(transparent)]
+    Graph(GraphError),
     /// The camera or its path cannot be.
     #[error(transparent)]
     Rgbd(#[from] RgbdError),
@@ -66,78 +73,167 @@ pub enum ScanError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Places frame after frame, and gathers what those that were placed show.
+/// Places frame after frame, and gathers what those that were placed show. Where the camera comes back to
+/// what it has seen, all its way is put right, and the frames are gathered again.
 ///
-/// A frame that cannot be read is skipped like one that cannot be placed.
-pub fn scan(
-    frames: impl Iterator<Item = Result<RgbdFrame, SequenceError>>,
-    job: ScanJob,
+/// `frames` begins at the first frame each time it is called. A frame that cannot be read is skipped like
+/// one that cannot be placed.
+pub fn scan<I>(
+    frames: impl Fn() -> I,
+    job: &ScanJob,
     progress: &dyn Progress,
-) -> Result<Scanned, ScanError> {
+) -> Result<Scanned, ScanError>
+where
+    I: Iterator<Item = Result<RgbdFrame, SequenceError>>,
+{
     job.options.check()?;
     job.camera.check()?;
+    let mut walk = followed(frames(), job, progress)?;
+    let closed = walk.close(job, progress)?;
+    let mut report = ScanReport::new(job.name.clone(), job.options, walk.told, job.notes.clone());
+    let mut poses: Vec<Option<Pose>> =
+        walk.steps.iter().map(|step| step.world_from_camera).collect();
+    let before = trajectory(&poses, &job.stamps)?;
+    if let Some(closed) = closed {
+        report.loops = Some(LoopsReport::new(&closed, &poses, &job.stamps));
+        if closed.n_closed() > 0 {
+            poses = closed.world_from_camera;
+            walk.gathered = Some(gathered_again(frames(), &poses, walk.gathered, job, progress)?);
+        }
+    }
+    let trajectory = trajectory(&poses, &job.stamps)?;
+    let (cloud, voxel) = walk.gathered.map_or_else(
+        || (PointCloud::default(), 0.0),
+        |gathered| (gathered.cloud(), gathered.voxel()),
+    );
+    let radius = OUTLIER_VOXELS * voxel;
+    let (cloud, n_outliers) = job.options.filter.apply(cloud, radius, progress)?;
+    report.voxel = voxel;
+    report.n_outliers = n_outliers;
+    report.n_points = cloud.points.len();
+    report.measure(&trajectory);
+    if let Some(truth) = job.truth {
+        report.hold_against(truth, &trajectory, &before);
+    }
+    Ok(Scanned { cloud, trajectory, report })
+}
+
+/// What became of the frames, one after the other.
+struct Walk {
+    told: Vec<FrameReport>,
+    steps: Vec<Step>,
+    keys: KeyFrames,
+    gathered: Option<Gathered>,
+}
+
+fn followed(
+    frames: impl Iterator<Item = Result<RgbdFrame, SequenceError>>,
+    job: &ScanJob,
+    progress: &dyn Progress,
+) -> Result<Walk, ScanError> {
     let mut tracker = Tracker::new(job.camera, job.options.odometry.clone())?;
-    let mut gathered = job.options.voxel.map(Gathered::new).transpose()?;
-    let (mut poses, mut told) = (Vec::new(), Vec::new());
-    let mut n_placed = 0;
+    let gathered = job.options.voxel.map(Gathered::new).transpose()?;
+    let keys = KeyFrames::default();
+    let mut walk = Walk { told: Vec::new(), steps: Vec::new(), keys, gathered };
     progress.start("scan", job.stamps.len() as u64);
+    let mut n_placed = 0;
     for (frame, &stamp) in frames.zip(&job.stamps) {
         let placed = match frame {
             Ok(frame) => tracker.add(frame, progress)?,
             Err(error) => tracker.miss(stamp, Doubt::Unusable(error.to_string())),
         };
+        n_placed += u32::from(placed.world_from_camera.is_some());
+        walk.add(&placed, job)?;
+        progress.advance(1)?;
+        let off = walk.off(job).map_or_else(String::new, |off| format!(", {off:.1} mm off"));
+        progress.tell(&format!("{n_placed} of {} placed{off}", walk.steps.len()));
+    }
+    Ok(walk)
+}
+
+impl Walk {
+    fn add(&mut self, placed: &Placed, job: &ScanJob) -> Result<(), ScanError> {
         if let (Some(pose), Some(look)) = (placed.world_from_camera, &placed.look) {
             let voxel = look.median_depth / ScanOptions::VOXELS_DEEP;
-            let gathered = match &mut gathered {
+            let gathered = match &mut self.gathered {
                 Some(gathered) => gathered,
                 none => none.insert(Gathered::new(voxel)?),
             };
-            gathered.add(&seen(look, &job.camera)?.moved(&pose).to_sparse_cloud(STEP))?;
-            poses.push(StampedPose { stamp: placed.stamp, world_from_camera: pose });
-            n_placed += 1;
+            gathered.add(&seen(&look.frame, &job.camera)?.moved(&pose).to_sparse_cloud(STEP))?;
         }
-        told.push(FrameReport::of(&placed));
+        if !job.options.loops.no_loops {
+            self.keys.note(self.steps.len(), placed);
+        }
+        self.told.push(FrameReport::of(placed));
         if let Some(link) = placed.link {
-            told[link.key].role = FrameRole::Key;
+            self.told[link.key].role = FrameRole::Key;
+        }
+        let world_from_camera = placed.world_from_camera;
+        self.steps.push(Step { world_from_camera, link: placed.link });
+        Ok(())
+    }
+
+    /// How far the last frame is off the truth, the first one that was placed lying on it [mm].
+    fn off(&self, job: &ScanJob) -> Option<f64> {
+        let known = |i: usize| Some(job.truth?.nearest(job.stamps[i])?.world_from_camera);
+        let first = self.steps.iter().position(|step| step.world_from_camera.is_some())?;
+        let last = self.steps.len() - 1;
+        let found = self.steps[last].world_from_camera?;
+        let off = (known(first)?.inverse() * known(last)?).inverse() * found;
+        Some(off.translation.vector.norm())
+    }
+
+    /// Looks for loops, if they are asked for.
+    fn close(
+        &mut self,
+        job: &ScanJob,
+        progress: &dyn Progress,
+    ) -> Result<Option<Closed>, ScanError> {
+        let options = &job.options.loops;
+        if options.no_loops {
+            return Ok(None);
+        }
+        let keys = std::mem::take(&mut self.keys).into_all();
+        let closed = close_loops(&self.steps, &keys, (options, &job.options.odometry), progress);
+        closed.map(Some).map_err(|error| match error {
+            GraphError::Cancelled(cancelled) => cancelled.into(),
+            other => ScanError::Graph(other),
+        })
+    }
+}
+
+/// The frames gathered where they have come to be, in the voxels they had `before`.
+fn gathered_again(
+    frames: impl Iterator<Item = Result<RgbdFrame, SequenceError>>,
+    poses: &[Option<Pose>],
+    before: Option<Gathered>,
+    job: &ScanJob,
+    progress: &dyn Progress,
+) -> Result<Gathered, ScanError> {
+    let voxel = before.map_or(1.0, |before| before.voxel());
+    let mut gathered = Gathered::new(voxel)?;
+    progress.start("gather", poses.len() as u64);
+    for (frame, pose) in frames.zip(poses) {
+        // What could not be read before has no pose.
+        if let (Ok(frame), Some(pose)) = (frame, pose) {
+            gathered.add(&seen(&frame, &job.camera)?.moved(pose).to_sparse_cloud(STEP))?;
         }
         progress.advance(1)?;
-        progress.tell(&format!("{n_placed} of {} placed", told.len()));
     }
-    let trajectory = CameraTrajectory::new(poses)?;
-    let (cloud, voxel) = gathered.map_or_else(
-        || (PointCloud::default(), 0.0),
-        |gathered| (gathered.cloud(), gathered.voxel()),
-    );
-    let mut report = ScanReport::new(job.name, job.options, told, job.notes);
-    report.voxel = voxel;
-    report.n_points = cloud.points.len();
-    report.measure(&trajectory);
-    if let Some(truth) = job.truth {
-        match evaluate(&trajectory, truth, &steps_within(&trajectory)) {
-            Ok(found) => report.against_truth = Some(found.report),
-            Err(Unmatched::MaxDifference(_)) => {}
-            Err(error) => report.notes.push(format!("not compared with the truth: {error}")),
-        }
-    }
-    Ok(Scanned { cloud, trajectory, report })
+    Ok(gathered)
 }
 
-/// The usual steps, but for those that are longer than the walk.
-fn steps_within(trajectory: &CameraTrajectory) -> OdometryErrorOptions {
-    let stamps = trajectory.stamps();
-    let lasts = stamps.last().zip(stamps.first()).map_or(0.0, |(last, first)| last - first);
-    let mut options = OdometryErrorOptions::default();
-    options.deltas.retain(|delta| match delta {
-        Delta::Poses(n) => *n < stamps.len(),
-        Delta::Seconds(seconds) => *seconds < lasts,
-    });
-    options
+fn trajectory(poses: &[Option<Pose>], stamps: &[f64]) -> Result<CameraTrajectory, RgbdError> {
+    let stamped = |(pose, &stamp): (&Option<Pose>, &f64)| {
+        pose.map(|world_from_camera| StampedPose { stamp, world_from_camera })
+    };
+    CameraTrajectory::new(poses.iter().zip(stamps).filter_map(stamped).collect())
 }
 
-/// What a look shows, with normals that look at the camera.
-fn seen(look: &Look, camera: &Camera) -> Result<crate::rgbd::OrganisedCloud, RgbdError> {
-    let eye = crate::geom::Point3::origin();
-    Ok(look.frame.cloud(camera)?.with_normals(&eye, &NormalOptions::default()))
+/// What a frame shows, with normals that look at the camera.
+fn seen(frame: &RgbdFrame, camera: &Camera) -> Result<OrganisedCloud, RgbdError> {
+    let eye = Point3::origin();
+    Ok(frame.cloud(camera)?.with_normals(&eye, &NormalOptions::default()))
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! What is told about a scan.
 
 use super::ScanOptions;
+use crate::geom::Pose;
 use crate::register::icp::Verdict;
+use crate::register::loops::{Closed, Loop, LoopOutcome};
 use crate::register::odometry::{FrameRole, Placed};
+use crate::register::{AbsoluteError, Delta, OdometryErrorOptions, Unmatched};
 use crate::rgbd::CameraTrajectory;
-use crate::workflow::evaluate::EvaluationReport;
+use crate::workflow::evaluate::{EvaluationReport, evaluate};
 use serde::Serialize;
 
 /// Below this share of frames placed, the scan as a whole failed.
@@ -26,12 +29,19 @@ pub struct ScanReport {
     pub voxel: f64,
     /// Points of the cloud.
     pub n_points: usize,
+    /// Points that were left out of it as outliers.
+    pub n_outliers: usize,
     /// How far the camera went.
     pub way: f64,
     /// How much it turned on its way, all turns added up [deg].
     pub turned_deg: f64,
     /// How far that is from the truth, if it is known.
     pub against_truth: Option<EvaluationReport>,
+    /// The absolute error before loops were closed, root mean square [mm]; if the truth is known and any
+    /// were.
+    pub ate_before_loops_mm: Option<f64>,
+    /// What became of loops; nothing if none were looked for.
+    pub loops: Option<LoopsReport>,
     /// Every frame.
     pub frames: Vec<FrameReport>,
     /// What the user must know.
@@ -52,6 +62,89 @@ pub struct VerdictCounts {
     pub key: usize,
 }
 
+/// What became of loops.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct LoopsReport {
+    /// How many hold the walk together.
+    pub n_closed: usize,
+    /// How many did not fit the others.
+    pub n_dropped: usize,
+    /// How many were not believed.
+    pub n_refused: usize,
+    /// How far the camera was moved by them at most [mm].
+    pub moved: f64,
+    /// Every one that was tried.
+    pub tried: Vec<LoopReport>,
+}
+
+/// What became of a loop.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct LoopReport {
+    /// When what was seen again had been seen [s].
+    pub earlier: f64,
+    /// When it was seen again [s].
+    pub later: f64,
+    /// What became of it.
+    pub result: LoopResult,
+    /// How far it is off the walk as it was settled [standard deviations]; of those that were believed.
+    pub off: Option<f64>,
+    /// What speaks against it.
+    pub reasons: Vec<String>,
+}
+
+/// What became of a loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoopResult {
+    /// It holds the walk together.
+    Closed,
+    /// It was not believed.
+    Refused,
+    /// It does not fit the others.
+    Dropped,
+}
+
+impl LoopsReport {
+    /// What is told of `closed`, where the camera was at `before`.
+    pub(super) fn new(closed: &Closed, before: &[Option<Pose>], stamps: &[f64]) -> Self {
+        let tried: Vec<LoopReport> =
+            closed.loops.iter().map(|tried| LoopReport::of(tried, stamps)).collect();
+        let n = |result| tried.iter().filter(|tried| tried.result == result).count();
+        let ways = closed.world_from_camera.iter().zip(before).filter_map(|(after, before)| {
+            let (after, before) = ((*after)?, (*before)?);
+            Some((after.translation.vector - before.translation.vector).norm())
+        });
+        Self {
+            n_closed: n(LoopResult::Closed),
+            n_dropped: n(LoopResult::Dropped),
+            n_refused: n(LoopResult::Refused),
+            moved: ways.fold(0.0, f64::max),
+            tried,
+        }
+    }
+}
+
+impl LoopReport {
+    fn of(tried: &Loop, stamps: &[f64]) -> Self {
+        let (result, off, reasons) = match &tried.outcome {
+            LoopOutcome::Closed { off } => (LoopResult::Closed, Some(*off), Vec::new()),
+            LoopOutcome::Dropped { off } => {
+                let why =
+                    format!("it is {off:.1} standard deviations off the walk and other loops");
+                (LoopResult::Dropped, Some(*off), vec![why])
+            }
+            LoopOutcome::Refused(doubts) => {
+                let reasons = doubts.iter().map(ToString::to_string).collect();
+                (LoopResult::Refused, None, reasons)
+            }
+        };
+        let stamp = |number: usize| stamps.get(number).copied().unwrap_or_default();
+        Self { earlier: stamp(tried.earlier), later: stamp(tried.later), result, off, reasons }
+    }
+}
+
 /// What became of a frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -64,6 +157,8 @@ pub struct FrameReport {
     pub role: FrameRole,
     /// What speaks against it.
     pub reasons: Vec<String>,
+    /// How far it is off the truth, the whole way laid over the true one; if that is known [mm].
+    pub off: Option<f64>,
 }
 
 impl FrameReport {
@@ -78,6 +173,7 @@ impl FrameReport {
                 FrameRole::Skipped
             },
             reasons: placed.reasons.iter().map(ToString::to_string).collect(),
+            off: None,
         }
     }
 }
@@ -113,9 +209,12 @@ impl ScanReport {
             options: options.clone(),
             voxel: 0.0,
             n_points: 0,
+            n_outliers: 0,
             way: 0.0,
             turned_deg: 0.0,
             against_truth: None,
+            ate_before_loops_mm: None,
+            loops: None,
             frames,
             notes,
         }
@@ -127,6 +226,37 @@ impl ScanReport {
             let step = pair[0].world_from_camera.inverse() * pair[1].world_from_camera;
             self.way += step.translation.vector.norm();
             self.turned_deg += step.rotation.angle().to_degrees();
+        }
+    }
+
+    /// Adds how far the camera is off the truth, and was `before` loops were closed.
+    pub(super) fn hold_against(
+        &mut self,
+        truth: &CameraTrajectory,
+        trajectory: &CameraTrajectory,
+        before: &CameraTrajectory,
+    ) {
+        let options = steps_within(trajectory);
+        match evaluate(trajectory, truth, &options) {
+            Ok(found) => {
+                self.tell_frames(&found.error.absolute);
+                self.against_truth = Some(found.report);
+            }
+            Err(Unmatched::MaxDifference(_)) => {}
+            Err(error) => self.notes.push(format!("not compared with the truth: {error}")),
+        }
+        if self.loops.as_ref().is_some_and(|loops| loops.n_closed > 0) {
+            let before = evaluate(before, truth, &options).ok();
+            self.ate_before_loops_mm = before.map(|found| found.report.ate_mm.rmse);
+        }
+    }
+
+    /// Tells every frame how far it is off; stamps of both rise.
+    fn tell_frames(&mut self, absolute: &AbsoluteError) {
+        let mut known = absolute.stamps.iter().zip(&absolute.errors).peekable();
+        for frame in &mut self.frames {
+            while known.next_if(|(stamp, _)| **stamp < frame.stamp).is_some() {}
+            frame.off = known.next_if(|(stamp, _)| **stamp == frame.stamp).map(|(_, off)| *off);
         }
     }
 
@@ -144,4 +274,16 @@ impl ScanReport {
         counted.sort_by_key(|known| std::cmp::Reverse(known.1));
         counted.into_iter().map(|(_, n, example)| (example.to_owned(), n)).collect()
     }
+}
+
+/// The usual steps, but for those that are longer than the walk.
+fn steps_within(trajectory: &CameraTrajectory) -> OdometryErrorOptions {
+    let stamps = trajectory.stamps();
+    let lasts = stamps.last().zip(stamps.first()).map_or(0.0, |(last, first)| last - first);
+    let mut options = OdometryErrorOptions::default();
+    options.deltas.retain(|delta| match delta {
+        Delta::Poses(n) => *n < stamps.len(),
+        Delta::Seconds(seconds) => *seconds < lasts,
+    });
+    options
 }

@@ -1,11 +1,12 @@
 //! Simulated walks, whose truth is exact.
 
 use super::*;
+use crate::geom::Vector3;
 use crate::progress::Silent;
 use crate::register::icp::Verdict;
 use crate::register::odometry::{FrameRole, Method, OdometryOptions};
 use crate::rgbd::Image;
-use crate::rgbd::simulated::{BuiltinScene, NoiseKind, SimulationOptions};
+use crate::rgbd::simulated::{BuiltinScene, NoiseKind, Orbit, SimulationOptions};
 use crate::workflow::simulate_scan::{SimulateScanJob, SimulatedScan, Subject, simulate_scan};
 
 /// Half as fine as a Kinect.
@@ -20,7 +21,7 @@ fn walk(scene: BuiltinScene, noise: NoiseKind) -> SimulatedScan {
 
 fn options(method: Method) -> ScanOptions {
     let odometry = OdometryOptions { method, ..OdometryOptions::default() };
-    ScanOptions { voxel: Some(10.0), odometry }
+    ScanOptions { voxel: Some(10.0), odometry, ..ScanOptions::default() }
 }
 
 fn scanned(
@@ -36,8 +37,7 @@ fn scanned(
         notes: Vec::new(),
         options,
     };
-    let frames = walk.frames().enumerate().map(|(i, frame)| change(i, frame));
-    scan(frames, job, &Silent)
+    scan(|| walk.frames().enumerate().map(|(i, frame)| change(i, frame)), &job, &Silent)
 }
 
 #[test]
@@ -107,6 +107,38 @@ fn frames_that_hold_nothing_are_skipped_and_the_rest_is_followed() {
     assert!(found.report.against_truth.unwrap().ate_mm.rmse < 8.0);
 }
 
+/// Along an arc and back beside it: what is seen at the end was seen at the beginning.
+#[test]
+fn a_walk_that_comes_back_is_closed_and_gathered_again() {
+    let orbit = Orbit { center: Point3::origin(), axis: Vector3::z(), distance: 1500.0 };
+    let (there, back) = (orbit.hand_held(9, 0.5, 5), orbit.hand_held(9, 0.5, 9));
+    let poses = there.iter().chain(back.iter().rev()).enumerate();
+    let along = poses.map(|(i, pose)| StampedPose { stamp: i as f64 / 10.0, ..*pose }).collect();
+    let simulated = SimulationOptions { noise: NoiseKind::Kinect, ..SimulationOptions::default() };
+    let walk = simulate_scan(SimulateScanJob {
+        subject: Subject::Scene(BuiltinScene::TexturedStructured),
+        camera: CAMERA,
+        along: Some(CameraTrajectory::new(along).unwrap()),
+        options: &simulated,
+    });
+    let walk = walk.unwrap();
+    // Every frame a key frame, as on a longer walk.
+    let mut options = options(Method::Dvo);
+    options.odometry.key_overlap = 1.0;
+    let found = scanned(&walk, &options, |_, frame| Ok(frame)).unwrap();
+    let loops = found.report.loops.as_ref().unwrap();
+    assert!(loops.n_closed >= 2, "{:?}", loops.tried);
+    let (before, after) = (found.report.ate_before_loops_mm, found.report.against_truth.unwrap());
+    assert!(after.ate_mm.rmse < before.unwrap().max(1.0), "{before:?} {}", after.ate_mm.rmse);
+    assert!(found.report.frames.iter().all(|frame| frame.off.is_some_and(|off| off < 10.0)));
+    options.loops.no_loops = true;
+    let without = scanned(&walk, &options, |_, frame| Ok(frame)).unwrap();
+    assert_eq!((without.report.loops, without.report.ate_before_loops_mm), (None, None));
+    // The same surface, gathered at poses that hardly differ.
+    let [n, n_without] = [found.cloud.points.len(), without.cloud.points.len()].map(|n| n as f64);
+    assert!((n / n_without - 1.0).abs() < 0.1, "{n} {n_without}");
+}
+
 #[test]
 fn any_number_of_threads_makes_the_same_scan() {
     let walk = walk(BuiltinScene::TexturedStructured, NoiseKind::Kinect);
@@ -123,4 +155,8 @@ fn numbers_that_mean_nothing_are_refused_by_flag() {
     let bad = ScanOptions { voxel: Some(-1.0), ..options(Method::Visual) };
     let error = scanned(&walk, &bad, |_, frame| Ok(frame)).unwrap_err().to_string();
     assert!(error.starts_with("--voxel is -1"), "{error}");
+    let mut bad = options(Method::Visual);
+    bad.filter.outlier_neighbours = 0;
+    let error = scanned(&walk, &bad, |_, frame| Ok(frame)).unwrap_err().to_string();
+    assert!(error.starts_with("--outlier-neighbours is 0"), "{error}");
 }

@@ -9,16 +9,20 @@ use horma::io::report::{html, scan_page};
 use horma::io::rgbd::{open_sequence, read_camera, trajectory_text};
 use horma::io::{OutputSet, Overwrite};
 use horma::register::icp::Verdict;
-use horma::workflow::scan::{ScanJob, ScanOptions, ScanReport, Scanned, scan};
+use horma::workflow::scan::{LoopsReport, ScanJob, ScanOptions, ScanReport, Scanned, scan};
 use std::path::{Path, PathBuf};
 
 /// Follow a depth camera frame by frame, and make one cloud of what it saw.
+///
+/// Where the camera comes back to what it has seen, all its way is put right by that (--no-loops does
+/// without). To lay scans over each other that are no frames, in no order, use horma register.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The input is a folder as the TUM RGB-D benchmark has them (rgb.txt, depth.txt), or with pictures in
 depth/ and color/. The cloud is in the frame of the first camera, in millimetres. Frames that cannot be
 read or placed are skipped, and the report says why; if that are most, nothing is written and the exit
-code is 65. Where the folder has a groundtruth.txt, the report says how far the scan is off it.
+code is 65. Where the folder has a groundtruth.txt, the report says how far the scan is off it, and was
+before loops were closed.
 
 For example:
   horma scan walk -o part.ply
@@ -62,7 +66,7 @@ pub(crate) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
         options: &args.options,
     };
     let bar = shell.progress();
-    let scanned = scan(sequence.frames(), job, &bar)
+    let scanned = scan(|| sequence.frames(), &job, &bar)
         .with_context(|| format!("while scanning {}", args.input.display()))?;
     let is_good = scanned.report.verdict != Verdict::Failed;
     let written = if is_good {
@@ -118,7 +122,7 @@ impl ScanArgs {
             files.add(path, |out| out.write_all(text.as_bytes()))?;
         }
         if let Some(path) = &self.report {
-            let page = html(&scan_page(scanned));
+            let page = html(&scan_page(scanned)?);
             files.add(path, |out| out.write_all(page.as_bytes()))?;
         }
         Ok(files)
@@ -149,9 +153,10 @@ fn summary(report: &ScanReport) -> String {
         "{:<9}went {:.0} mm and turned {:.0} deg",
         "camera", report.way, report.turned_deg
     ));
+    lines.extend(report.loops.as_ref().filter(|loops| !loops.tried.is_empty()).map(loops));
     lines.push(format!(
-        "{:<9}{} points, one for each {:.2} mm",
-        "cloud", report.n_points, report.voxel
+        "{:<9}{} points, one for each {:.2} mm; {} outliers left out",
+        "cloud", report.n_points, report.voxel, report.n_outliers
     ));
     if let Some(truth) = &report.against_truth {
         lines.push(format!(
@@ -161,6 +166,19 @@ fn summary(report: &ScanReport) -> String {
             truth.n_poses - truth.n_unmatched
         ));
     }
+    if let Some(before) = report.ate_before_loops_mm {
+        lines.push(format!("{:<9}{before:.2} mm before loops were closed", ""));
+    }
     lines.extend(report.notes.iter().map(|note| format!("{:<9}{note}", "note")));
+    lines.join("\n")
+}
+
+fn loops(loops: &LoopsReport) -> String {
+    let mut lines = vec![format!(
+        "{:<9}{} closed, {} dropped, {} refused; they moved the camera by up to {:.1} mm",
+        "loops", loops.n_closed, loops.n_dropped, loops.n_refused, loops.moved
+    )];
+    let why = loops.tried.iter().find_map(|tried| tried.reasons.first());
+    lines.extend(why.map(|why| format!("{:<9}one of them because {why}", "")));
     lines.join("\n")
 }

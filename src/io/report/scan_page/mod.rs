@@ -1,20 +1,17 @@
 //! What a scan shows: the way of the camera, and what became of its frames.
 
-use super::chart::Labels;
-use super::svg::{Series, plan_chart};
-use super::{Block, Figure, Image, Page, Picture, Section, Table};
-use crate::geom::Vector3;
+mod pictures;
+
+use super::{Block, Figure, Page, Section, Table};
 use crate::register::icp::Verdict;
 use crate::register::odometry::FrameRole;
-use crate::workflow::scan::{ScanReport, Scanned};
+use crate::workflow::scan::{LoopReport, LoopResult, LoopsReport, ScanReport, Scanned};
 
-/// Points of the cloud that are drawn, about.
-const MOST_DOTS: usize = 3000;
 /// Frames listed at most.
 const MOST_LISTED: usize = 100;
 
 /// The page of a scan.
-pub fn scan_page(scanned: &Scanned) -> Page {
+pub fn scan_page(scanned: &Scanned) -> std::io::Result<Page> {
     let report = &scanned.report;
     let figure = |label: &str, value: String, unit: &str| Figure {
         label: label.to_owned(),
@@ -31,11 +28,21 @@ pub fn scan_page(scanned: &Scanned) -> Page {
     if let Some(truth) = &report.against_truth {
         figures.push(figure("Off the truth (ATE)", format!("{:.2}", truth.ate_mm.rmse), "mm"));
     }
-    let mut sections = vec![
-        section("Way of the camera", vec![Block::Pictures(plans(scanned))]),
-        section("Frames", frames(report)),
-        section("How it was done", vec![Block::Facts(facts(report))]),
-    ];
+    if let Some(loops) = &report.loops {
+        figures.push(figure("Loops closed", loops.n_closed.to_string(), ""));
+    }
+    let mut sections = Vec::new();
+    if !scanned.cloud.points.is_empty() {
+        sections.push(section("The cloud", vec![Block::Pictures(pictures::cloud(scanned)?)]));
+    }
+    let mut plans = pictures::plans(scanned);
+    plans.extend(pictures::errors(report));
+    sections.push(section("Way of the camera", vec![Block::Pictures(plans)]));
+    sections.push(section("Frames", frames(report)));
+    if let Some(loops) = report.loops.as_ref().filter(|loops| !loops.tried.is_empty()) {
+        sections.push(section("Loops", self::loops(loops)));
+    }
+    sections.push(section("How it was done", vec![Block::Facts(facts(report))]));
     if !report.notes.is_empty() {
         let notes = report.notes.iter().cloned().map(Block::Text).collect();
         sections.push(section("Notes", notes));
@@ -44,41 +51,13 @@ pub fn scan_page(scanned: &Scanned) -> Page {
         Verdict::Ok => Vec::new(),
         verdict => vec![format!("The scan is {verdict}: look at the frames below.")],
     };
-    Page {
+    Ok(Page {
         title: report.name.clone(),
         subtitle: format!("{} points of {} frames", report.n_points, placed),
         warnings,
         figures,
         sections,
-    }
-}
-
-/// From above and from the side, as the first camera stands: x to the right, y down, z ahead.
-fn plans(scanned: &Scanned) -> Vec<Picture> {
-    let cloud = &scanned.cloud.points;
-    let stride = cloud.len().div_ceil(MOST_DOTS).max(1);
-    let plan = |title: &str, of: fn(&Vector3) -> [f64; 2], labels: Labels| {
-        // A dot is a line of its own: between dots is a gap.
-        let dots = cloud.iter().step_by(stride).flat_map(|point| {
-            let [x, y] = of(&point.coords);
-            [[x, y], [x + 2.0, y], [f64::NAN; 2]]
-        });
-        let poses = scanned.trajectory.poses().iter();
-        let way = poses.map(|pose| of(&pose.world_from_camera.translation.vector));
-        let series = [
-            Series { name: "surface".into(), points: dots.collect() },
-            Series { name: "camera".into(), points: way.collect() },
-        ];
-        Picture {
-            title: title.to_owned(),
-            caption: "In the frame of the first camera.".into(),
-            image: Image::Svg(plan_chart(&series, labels)),
-        }
-    };
-    vec![
-        plan("From above", |v| [v.x, v.z], Labels { x: "to the right [mm]", y: "ahead [mm]" }),
-        plan("From the side", |v| [v.z, -v.y], Labels { x: "ahead [mm]", y: "up [mm]" }),
-    ]
+    })
 }
 
 fn frames(report: &ScanReport) -> Vec<Block> {
@@ -106,13 +85,48 @@ fn frames(report: &ScanReport) -> Vec<Block> {
     blocks
 }
 
+fn loops(loops: &LoopsReport) -> Vec<Block> {
+    let row = |tried: &LoopReport| {
+        let became = match tried.result {
+            LoopResult::Closed => "closed",
+            LoopResult::Refused => "refused",
+            LoopResult::Dropped => "dropped",
+        };
+        let off = tried.off.map_or_else(String::new, |off| format!("{off:.2}"));
+        let stamps = [tried.earlier, tried.later].map(|stamp| format!("{stamp:.3}"));
+        let [earlier, later] = stamps;
+        vec![earlier, later, became.to_owned(), off, tried.reasons.join("; ")]
+    };
+    let columns = ["First seen [s]", "Seen again [s]", "Became", "Off [sigma]", "Because"];
+    let mut blocks = vec![
+        Block::Text(format!(
+            "They moved the camera by up to {:.1} mm. How far a closed loop is off the way as it was settled \
+             is told in standard deviations.",
+            loops.moved
+        )),
+        Block::Table(Table {
+            columns: columns.map(str::to_owned).to_vec(),
+            rows: loops.tried.iter().take(MOST_LISTED).map(row).collect(),
+        }),
+    ];
+    if loops.tried.len() > MOST_LISTED {
+        blocks.push(Block::Text(format!("And {} more.", loops.tried.len() - MOST_LISTED)));
+    }
+    blocks
+}
+
 fn facts(report: &ScanReport) -> Vec<(String, String)> {
-    vec![
+    let mut facts = vec![
         ("Method".into(), format!("{:?}", report.options.odometry.method)),
         ("Voxels of the cloud".into(), format!("{:.3} mm", report.voxel)),
+        ("Outliers left out".into(), report.n_outliers.to_string()),
         ("Turns of the camera, added up".into(), format!("{:.1} deg", report.turned_deg)),
         ("Seed".into(), report.options.odometry.seed.to_string()),
-    ]
+    ];
+    if let Some(before) = report.ate_before_loops_mm {
+        facts.push(("Off the truth before loops were closed".into(), format!("{before:.2} mm")));
+    }
+    facts
 }
 
 fn section(title: &str, blocks: Vec<Block>) -> Section {
