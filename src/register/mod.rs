@@ -4,7 +4,7 @@
 //! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known, [`dense`] follows
 //! a camera by all that its frames show, [`odometry`] from frame to frame by one method or another;
 //! [`loops`] finds where it came back to, and [`pose_graph`] what that says of all its way;
-//! [`align`] is the closed form for paired points.
+//! [`views`] lays many scans over each other at once. [`align`] is the closed form for paired points.
 
 mod align;
 pub mod coarse;
@@ -19,6 +19,7 @@ pub mod pose_graph;
 pub mod ransac;
 mod small_motion;
 mod statistics;
+pub mod views;
 
 pub use align::align;
 pub use free_space::{FreeSpace, Seen, align_seen};

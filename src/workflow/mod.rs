@@ -7,3 +7,4 @@ pub mod register;
 pub mod scan;
 pub mod simulate_scan;
 pub mod verify;
+pub mod views;

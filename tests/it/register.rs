@@ -3,9 +3,14 @@
 use crate::command::horma;
 use horma::geom::{Point3, PointCloud, Pose, Surface, Vector3, shapes};
 use horma::io::{Overwrite, read_pose, write_surface};
+use horma::register::coarse::CoarseOptions;
 use horma::register::icp::{IcpOptions, Kernel, Metric, Verdict, align};
+use horma::register::pose_graph::GraphOptions;
+use horma::workflow::views::{ViewsJob, register_views};
 use std::path::{Path, PathBuf};
 use std::process::Output;
+
+const MM: horma::geom::LengthUnit = horma::geom::LengthUnit::Millimetre;
 
 /// A chiral body as points, moved.
 fn scan(pose: &Pose, scale: f64) -> Surface {
@@ -245,6 +250,81 @@ fn pose(rows: &[f64]) -> Pose {
 fn rms(a: &Pose, b: &Pose, cloud: &PointCloud) -> f64 {
     let sum: f64 = cloud.points.iter().map(|p| (a * p - b * p).norm_squared()).sum();
     (sum / cloud.points.len() as f64).sqrt()
+}
+
+/// Five views of the bunny in no order, each as its file has it: all come to lie where the published
+/// poses of the pairs have them.
+#[test]
+fn five_views_of_the_bunny_come_to_lie_on_each_other() {
+    let Some(data) = std::env::var_os("HORMA_DATA").map(PathBuf::from) else {
+        eprintln!("skipped: HORMA_DATA is not set");
+        return;
+    };
+    let names = ["chin", "bun045", "bun090", "bun315", "bun000"];
+    let read = |name: &&str| {
+        let path = data.join("scans/stanford_bunny").join(format!("{name}.ply"));
+        let unit = Some(horma::geom::LengthUnit::Metre);
+        horma::io::read_surface(&path, unit).unwrap().surface.into_points()
+    };
+    let clouds: Vec<PointCloud> = names.iter().map(read).collect();
+    let job = ViewsJob {
+        views: names.iter().map(ToString::to_string).zip(&clouds).collect(),
+        unit: horma::geom::LengthUnit::Metre,
+        notes: Vec::new(),
+        coarse: &CoarseOptions::default(),
+        fine: &IcpOptions { voxel: Some(1.0), max_distance: Some(20.0), ..IcpOptions::default() },
+        graph: &GraphOptions::default(),
+    };
+    let (found, report) = register_views(job, &horma::progress::Silent).unwrap();
+    assert_eq!((report.verdict, report.stays.as_str()), (Verdict::Ok, "bun000"));
+    let residual = report.residual;
+    assert!(residual.refined <= residual.chained, "{residual:?}");
+    let place = |name: &str| names.iter().position(|known| *known == name).unwrap();
+    let list = std::fs::read_to_string(data.join("pairs/icp.csv")).unwrap();
+    let mut n_compared = 0;
+    for line in list.lines().filter(|line| line.contains("bun") && line.contains("-p5,")) {
+        let (name, numbers) = line.split_once(',').unwrap();
+        let numbers: Vec<f64> = numbers.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let ends: Vec<usize> = name.split('-').take(2).map(place).collect();
+        let [source, target] = [ends[0], ends[1]].map(|i| found.stays_from_view[i].unwrap());
+        let off = rms(&(target.inverse() * source), &pose(&numbers[12..24]), &clouds[ends[0]]);
+        // As right as the published poses, of which each pair has its own.
+        assert!(off < 0.4, "{name}: {off} mm");
+        n_compared += 1;
+    }
+    assert_eq!(n_compared, 4);
+}
+
+#[test]
+fn three_files_become_one_cloud_and_a_matrix_each() {
+    let bench = Bench::new();
+    let [a, b, c] = [0.0, 1.0, 2.0].map(|k| {
+        let pose = Pose::new(Vector3::new(40.0 * k, -9.0, 7.0 * k), Vector3::new(0.3, k, -0.4 * k));
+        (bench.put(&format!("view{k}.ply"), &scan(&pose, 1.0)), pose)
+    });
+    let (poses, cloud) = (bench.path("poses.txt"), bench.path("all.ply"));
+    let outputs = ["-o", poses.to_str().unwrap(), "--write-cloud", cloud.to_str().unwrap()];
+    let scans = ["register", &a.0, &b.0, &c.0, "--units", "mm", "--voxel", "2"];
+    let output = horma(&[&scans[..], &outputs].concat());
+    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+    let told = String::from_utf8(output.stdout.clone()).unwrap();
+    assert!(told.contains("3 of 3 lie together, in the frame of view2.ply"), "{told}");
+    let text = std::fs::read_to_string(&poses).unwrap();
+    let blocks: Vec<&str> = text.split("# view2.ply_from_").skip(1).collect();
+    assert_eq!(blocks.len(), 3, "{text}");
+    for (block, known) in blocks.iter().zip([a.1, b.1, c.1]) {
+        let found =
+            read_pose(Path::new(&bench.text("one.txt", &format!("# {block}"))), MM).unwrap();
+        let off = largest_error(&(found * known), &c.1);
+        // Cells of 2 mm lie differently in each view.
+        assert!(off < 0.05, "{off} mm: {block}");
+    }
+    let all = horma::io::read_surface(&cloud, Some(MM)).unwrap().surface.into_points();
+    let one = horma::io::read_surface(Path::new(&a.0), Some(MM)).unwrap().surface.into_points();
+    assert_eq!(all.points.len(), 3 * one.points.len());
+    // A start is for two.
+    let output = horma(&[&scans[..], &["--init", poses.to_str().unwrap()]].concat());
+    assert_eq!(code(&output), Some(2), "{}", stderr(&output));
 }
 
 #[test]

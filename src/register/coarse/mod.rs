@@ -35,7 +35,8 @@ use fpfh::{Feature, flipped, fpfh};
 use matching::{Hypothesis, Matched, between, matches};
 use serde::Serialize;
 use std::fmt;
-use trial::{Start, Tried, distinct, fit, tried};
+pub(super) use trial::fit;
+use trial::{Start, Tried, distinct, tried};
 
 /// Voxels of features along the diagonal of the smaller cloud.
 const FINENESS: f64 = 60.0;

@@ -105,7 +105,7 @@ pub(super) fn distinct(
 }
 
 /// The share of both clouds that lies on each other, the mean of both; `pose` is about their centres.
-pub(super) fn fit([source, target]: [&View; 2], pose: &Pose) -> f64 {
+pub(in crate::register) fn fit([source, target]: [&View; 2], pose: &Pose) -> f64 {
     let [there, back] = [lying_on(source, target, pose), lying_on(target, source, &pose.inverse())];
     f64::midpoint(there, back)
 }

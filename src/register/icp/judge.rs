@@ -108,6 +108,16 @@ impl Alignment {
         self.verdict = verdicts.max().unwrap_or(Verdict::Ok);
     }
 
+    /// What the pairs know about a small motion from the left, about `origin` of the target's frame
+    /// instead of about the pivot: turning by `w` about the pivot `p` is turning about the origin and
+    /// shifting by `p × w` more.
+    pub(in crate::register) fn information_about(&self, origin: &Point3) -> Matrix6<f64> {
+        let mut change = Matrix6::identity();
+        let cross = (self.pivot - origin).cross_matrix();
+        change.fixed_view_mut::<3, 3>(3, 0).copy_from(&-cross);
+        change.transpose() * self.information * change
+    }
+
     /// The covariance of a small motion, turn [rad] before shift [mm], about `pivot`; `None` where
     /// a motion is free. It holds as far as every pair errs on its own: real errors are larger.
     pub fn covariance(&self) -> Option<Matrix6<f64>> {

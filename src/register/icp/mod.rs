@@ -129,6 +129,14 @@ pub fn align_views(
     Ok(alignment)
 }
 
+/// How well the first of two views lies over the second where it is.
+pub(super) fn judged(views: [&View; 2], target_from_source: &Pose, settled: &Settled) -> Alignment {
+    let pose = about_centers(target_from_source, views);
+    let mut alignment = judge::judge(views, &pose, &Course::at(pose), settled);
+    alignment.target_from_source = *target_from_source;
+    alignment
+}
+
 /// From the start to where steps become small, or to where there is nothing left to go by.
 fn iterate(
     views: [&View; 2],

@@ -1,10 +1,9 @@
 //! The motion between two frames by their surfaces alone: the thesis' ICP.
 
 use super::{Doubt, Look, Motion, OdometryOptions};
-use crate::geom::Pose;
+use crate::geom::{Point3, Pose};
 use crate::progress::{Cancelled, Progress};
 use crate::register::icp::{Alignment, IcpError, IcpOptions, Metric, Settled, align_views};
-use nalgebra::Matrix6;
 
 /// Neighbours a normal is taken from.
 pub(super) const NEIGHBOURS: usize = 20;
@@ -23,7 +22,7 @@ pub(super) fn motion(
         Ok(found) => {
             let reasons = found.reasons.iter().cloned().map(Doubt::Surface).collect();
             let overlap = found.overlap[1];
-            let information = about_camera(&found);
+            let information = found.information_about(&Point3::origin());
             Ok(Motion::new(found.target_from_source, reasons, information, overlap))
         }
         Err(IcpError::Cancelled(cancelled)) => Err(cancelled),
@@ -51,15 +50,6 @@ pub(super) fn aligned(
     let settled = Settled::new(&source.cloud, &target.cloud, &icp)?;
     let still = Quiet(progress);
     align_views([&source.view, &target.view], guess, &settled, &icp, &still)
-}
-
-/// The information about the camera instead of about the pivot: turning by `w` about the pivot `p` is
-/// turning about the camera and shifting by `p × w` more.
-fn about_camera(found: &Alignment) -> Matrix6<f64> {
-    let mut change = Matrix6::identity();
-    let cross = found.pivot.coords.cross_matrix();
-    change.fixed_view_mut::<3, 3>(3, 0).copy_from(&-cross);
-    change.transpose() * found.information * change
 }
 
 /// Passes the wish to stop on, and keeps stages and counts to itself: a scan has its own.

@@ -1,4 +1,6 @@
-//! `horma register`: one scan laid over another.
+//! `horma register`: one scan laid over another, or many over each other.
+
+mod views;
 
 use super::Shell;
 use super::table::listed;
@@ -10,13 +12,16 @@ use horma::io::{self, OutputSet, Overwrite, Reading, pose_text, read_pose};
 use horma::register::coarse::{Coarse, CoarseOptions};
 use horma::register::icp::{IcpOptions, Verdict};
 use horma::workflow::register::{RegisterJob, RegisterReport, Registered, merged, register};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Find the motion that lays one scan over another, and say whether it may be believed.
 ///
 /// With --init it refines the pose given there. Else it looks for one by itself: from where the files
 /// have it, by surroundings that look alike, and by the principal axes; what lies best on each other
 /// wins. --coarse chooses one way.
+///
+/// More than two scans, in any order, are laid over each other all at once: every two are tried, those
+/// that fit the others are kept, and what they are off is shared by all. The last one stays where it is.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The verdict is ok, doubtful or failed, with the reasons. A failed pose is not written, and the exit
@@ -26,21 +31,25 @@ For example:
   horma register back.ply front.ply -o front_from_back.txt
   horma register scan.pcd model.stl --init rough.txt --voxel 0.5 --max-distance 10 --write-cloud both.ply
   horma register scan.ply last.stl --coarse axes -o last_from_scan.txt
-  horma register a.ply b.ply --fine point-to-plane --kernel tukey --bi-unique --json"
+  horma register a.ply b.ply --fine point-to-plane --kernel tukey --bi-unique --json
+  horma register views/*.ply -o poses.txt --write-cloud part.ply"
 )]
 pub(crate) struct RegisterArgs {
     /// The scan that is moved: PLY, PCD, OBJ, STL, glTF/GLB or a list of points.
     source: PathBuf,
     /// The scan that stays.
     target: PathBuf,
+    /// More scans: then the last of all stays, and all others are laid over each other and over it.
+    more: Vec<PathBuf>,
     /// Where the motion goes: four rows of four numbers that take a point of the source to the target,
-    /// in the unit of the target's file.
+    /// in the unit of the target's file. Of more than two scans one such matrix each, in their order,
+    /// with its name in a comment.
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Where the source starts: a motion as --output writes it [default: it is looked for].
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "more")]
     init: Option<PathBuf>,
-    /// Write both as one cloud, in millimetres; .ply, .obj, .glb, .xyz or .csv.
+    /// Write all as one cloud, in millimetres; .ply, .obj, .glb, .xyz or .csv.
     #[arg(long, value_name = "FILE")]
     write_cloud: Option<PathBuf>,
     /// The unit of both files [default: what each declares, else by its extent].
@@ -60,6 +69,9 @@ pub(crate) fn run(args: &RegisterArgs, shell: &Shell) -> anyhow::Result<()> {
     args.options.check()?;
     args.coarse.check()?;
     args.try_outputs()?;
+    if !args.more.is_empty() {
+        return views::run(args, shell);
+    }
     let source = io::read_surface(&args.source, args.units)?;
     let target = io::read_surface(&args.target, args.units)?;
     let unit = target.unit;
@@ -142,14 +154,7 @@ fn notes(args: &RegisterArgs, source: &Reading, target: &Reading) -> Vec<String>
     for (role, path, reading) in
         [("source", &args.source, source), ("target", &args.target, target)]
     {
-        notes.push(format!(
-            "{role} {}: {}, units {}, {}",
-            path.display(),
-            reading.format,
-            reading.unit,
-            reading.unit_from
-        ));
-        notes.extend(reading.notes.iter().map(|note| format!("{role}: {note}")));
+        notes.extend(notes_of(role, path, reading));
     }
     if source.unit != target.unit {
         notes.push(format!(
@@ -157,6 +162,14 @@ fn notes(args: &RegisterArgs, source: &Reading, target: &Reading) -> Vec<String>
             target.unit
         ));
     }
+    notes
+}
+
+/// What the user must know about a file.
+fn notes_of(role: &str, path: &Path, reading: &Reading) -> Vec<String> {
+    let (format, unit, from) = (&reading.format, reading.unit, &reading.unit_from);
+    let mut notes = vec![format!("{role} {}: {format}, units {unit}, {from}", path.display())];
+    notes.extend(reading.notes.iter().map(|note| format!("{role}: {note}")));
     notes
 }
 
