@@ -1,5 +1,6 @@
 //! What a mesh is made of: how its triangles hang together and what is wrong with them.
 
+use super::pieces::join;
 use super::{Aabb, TriMesh, weld};
 use rayon::prelude::*;
 
@@ -138,21 +139,10 @@ fn n_pieces<const N: usize>(n_points: usize, cells: &[[u32; N]]) -> usize {
     for cell in cells {
         for &vertex in cell {
             n_pieces += usize::from(!std::mem::replace(&mut is_used[vertex as usize], true));
-            let (a, b) = (root(&mut parent, cell[0]), root(&mut parent, vertex));
-            // The lower index becomes the root; path halving keeps the trees shallow.
-            parent[a.max(b) as usize] = a.min(b);
-            n_pieces -= usize::from(a != b);
+            n_pieces -= usize::from(join(&mut parent, cell[0], vertex));
         }
     }
     n_pieces
-}
-
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        parent[vertex as usize] = parent[parent[vertex as usize] as usize];
-        vertex = parent[vertex as usize];
-    }
-    vertex
 }
 
 /// Sum of the tetrahedra over all triangles; taken from the middle of the part, where they are small.

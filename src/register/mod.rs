@@ -3,8 +3,9 @@
 //!
 //! [`coarse`] finds a pose from nothing, [`icp`] refines a pose that is roughly known, [`dense`] follows
 //! a camera by all that its frames show, [`odometry`] from frame to frame by one method or another;
-//! [`loops`] finds where it came back to, and [`pose_graph`] what that says of all its way;
-//! [`views`] lays many scans over each other at once. [`align`] is the closed form for paired points.
+//! [`turntable`] by how its part turns. [`loops`] finds where it came back to, and [`pose_graph`] what
+//! that says of all its way; [`views`] lays many scans over each other at once, [`tsdf`] makes many frames
+//! one surface. [`align`] is the closed form for paired points.
 
 mod align;
 pub mod coarse;
@@ -19,6 +20,8 @@ pub mod pose_graph;
 pub mod ransac;
 mod small_motion;
 mod statistics;
+pub mod tsdf;
+pub mod turntable;
 pub mod views;
 
 pub use align::align;

@@ -71,3 +71,15 @@ pub fn evaluate(
     };
     Ok(Evaluation { report, error })
 }
+
+/// The usual steps, but for those that are longer than `walk`.
+pub(super) fn steps_within(walk: &CameraTrajectory) -> OdometryErrorOptions {
+    let stamps = walk.stamps();
+    let lasts = stamps.last().zip(stamps.first()).map_or(0.0, |(last, first)| last - first);
+    let mut options = OdometryErrorOptions::default();
+    options.deltas.retain(|delta| match delta {
+        Delta::Poses(n) => *n < stamps.len(),
+        Delta::Seconds(seconds) => *seconds < lasts,
+    });
+    options
+}

@@ -2,9 +2,11 @@
 
 pub mod cam;
 pub mod evaluate;
+pub mod fuse;
 pub mod reduce;
 pub mod register;
 pub mod scan;
 pub mod simulate_scan;
+pub mod turntable;
 pub mod verify;
 pub mod views;

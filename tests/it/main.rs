@@ -18,6 +18,8 @@ mod dropping;
 mod evaluate;
 mod foot_program;
 mod formats;
+mod fuse;
+mod fuse_gpu;
 mod gpu;
 mod gpu_command;
 mod jobs;

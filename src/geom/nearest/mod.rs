@@ -5,10 +5,12 @@
 //! distances differ by less than a ten-millionth of the cloud's size may be taken for each other.
 
 mod kd_tree;
+mod mesh;
 mod search;
 mod voxel_map;
 
 pub use kd_tree::KdTree;
+pub use mesh::distances_from_mesh;
 pub use voxel_map::VoxelMap;
 
 use super::Point3;

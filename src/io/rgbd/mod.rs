@@ -10,6 +10,7 @@ mod picture;
 mod scan_folder;
 mod sequence;
 mod trajectory;
+mod turntable;
 mod view;
 
 pub use camera::{DepthCamera, read_camera};
@@ -18,4 +19,5 @@ pub use picture::{read_color, read_depth, read_numbers};
 pub use scan_folder::ScanFolder;
 pub use sequence::{FrameFiles, Sequence, open_sequence};
 pub use trajectory::{read_trajectory, trajectory_text, write_trajectory};
+pub use turntable::{read_turntable, turntable_text};
 pub use view::{View, read_view};

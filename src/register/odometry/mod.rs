@@ -42,6 +42,10 @@ pub fn motion(
         Method::Visual => visual::motion(previous, next, guess, options),
         Method::VisualIcp => visual::motion_then_icp(previous, next, guess, options, progress)?,
         Method::Icp => by_icp::motion(previous, next, guess, options, progress)?,
+        // `OdometryOptions::check` refuses it.
+        Method::Kinfu => {
+            return Ok(Motion::failed(guess, Doubt::Unusable(OdometryError::Model.to_string())));
+        }
     };
     Ok(found.within_bounds(guess, options).seen_in(previous, next))
 }

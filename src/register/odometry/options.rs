@@ -48,6 +48,8 @@ pub enum Method {
     VisualIcp,
     /// Surfaces laid over each other.
     Icp,
+    /// Surfaces laid over a model of all before, which becomes a mesh (Kinect Fusion).
+    Kinfu,
 }
 
 /// Why a camera cannot be followed at all.
@@ -66,6 +68,11 @@ pub enum OdometryError {
     /// Pictures cannot be laid over each other like that.
     #[error(transparent)]
     Dense(#[from] DenseError),
+    /// What places frames over a model lays none over another.
+    #[error(
+        "kinfu lays frames over a model of all before, and not over each other: use `workflow::fuse`"
+    )]
+    Model,
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] crate::progress::Cancelled),
@@ -97,6 +104,9 @@ impl OdometryOptions {
 
     /// Refuses numbers that mean nothing.
     pub fn check(&self) -> Result<(), OdometryError> {
+        if self.method == Method::Kinfu {
+            return Err(OdometryError::Model);
+        }
         let positive = "a number above 0";
         let is_positive = |x: f64| x > 0.0 && x.is_finite();
         for (option, value, must, is_good) in [
@@ -127,6 +137,8 @@ mod tests {
     fn numbers_that_mean_nothing_are_refused_by_flag() {
         let good = OdometryOptions::default();
         good.check().unwrap();
+        let model = OdometryOptions { method: Method::Kinfu, ..good.clone() };
+        assert!(matches!(model.check(), Err(OdometryError::Model)));
         for (bad, name) in [
             (OdometryOptions { icp_voxel: Some(0.0), ..good.clone() }, "--icp-voxel is 0"),
             (OdometryOptions { most_moved: f64::NAN, ..good.clone() }, "--most-moved is NaN"),

@@ -5,9 +5,9 @@ use crate::geom::Pose;
 use crate::register::icp::Verdict;
 use crate::register::loops::{Closed, Loop, LoopOutcome};
 use crate::register::odometry::{FrameRole, Placed};
-use crate::register::{AbsoluteError, Delta, OdometryErrorOptions, Unmatched};
+use crate::register::{AbsoluteError, Unmatched};
 use crate::rgbd::CameraTrajectory;
-use crate::workflow::evaluate::{EvaluationReport, evaluate};
+use crate::workflow::evaluate::{EvaluationReport, evaluate, steps_within};
 use serde::Serialize;
 
 /// Below this share of frames placed, the scan as a whole failed.
@@ -274,16 +274,4 @@ impl ScanReport {
         counted.sort_by_key(|known| std::cmp::Reverse(known.1));
         counted.into_iter().map(|(_, n, example)| (example.to_owned(), n)).collect()
     }
-}
-
-/// The usual steps, but for those that are longer than the walk.
-fn steps_within(trajectory: &CameraTrajectory) -> OdometryErrorOptions {
-    let stamps = trajectory.stamps();
-    let lasts = stamps.last().zip(stamps.first()).map_or(0.0, |(last, first)| last - first);
-    let mut options = OdometryErrorOptions::default();
-    options.deltas.retain(|delta| match delta {
-        Delta::Poses(n) => *n < stamps.len(),
-        Delta::Seconds(seconds) => *seconds < lasts,
-    });
-    options
 }

@@ -8,6 +8,7 @@ mod demo;
 mod devices;
 mod dialect;
 mod evaluate;
+mod fuse;
 mod info;
 mod last;
 mod machine;
@@ -17,11 +18,13 @@ mod register;
 mod restart;
 mod rough;
 mod scan;
+mod scan_model;
 mod shell;
 mod simulate_scan;
 mod simulated;
 mod table;
 mod tool;
+mod turntable;
 mod verify;
 
 pub(crate) use shell::{Shell, print};
@@ -80,6 +83,7 @@ enum Command {
     Scan(Box<scan::ScanArgs>),
     Reduce(Box<reduce::ReduceArgs>),
     MeanError(mean_error::MeanErrorArgs),
+    Fuse(Box<fuse::FuseArgs>),
     Devices(devices::DevicesArgs),
     /// Print shell completions.
     #[command(
@@ -109,6 +113,7 @@ impl Cli {
             Command::Register(args) => register::run(args, &self.shell),
             Command::Reduce(args) => reduce::run(args, &self.shell),
             Command::MeanError(args) => mean_error::run(args, &self.shell),
+            Command::Fuse(args) => fuse::run(args, &self.shell),
             Command::Info(args) => info::run(args, &self.shell),
             Command::Convert(args) => convert::run(args, &self.shell),
             Command::Last(args) => last::run(args, &self.shell),

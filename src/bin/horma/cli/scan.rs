@@ -1,7 +1,8 @@
 //! `horma scan`: from the frames of a depth camera to one cloud.
 
-use super::Shell;
 use super::table::listed;
+use super::turntable::TurntableArgs;
+use super::{Shell, scan_model};
 use anyhow::{Context, bail};
 use clap::Args;
 use horma::geom::{PointCloud, Surface};
@@ -9,6 +10,7 @@ use horma::io::report::{html, scan_page};
 use horma::io::rgbd::{open_sequence, read_camera, trajectory_text};
 use horma::io::{OutputSet, Overwrite};
 use horma::register::icp::Verdict;
+use horma::register::odometry::Method;
 use horma::workflow::scan::{LoopsReport, ScanJob, ScanOptions, ScanReport, Scanned, scan};
 use std::path::{Path, PathBuf};
 
@@ -21,38 +23,50 @@ use std::path::{Path, PathBuf};
     after_help = "The input is a folder as the TUM RGB-D benchmark has them (rgb.txt, depth.txt), or with pictures in
 depth/ and color/. The cloud is in the frame of the first camera, in millimetres. Frames that cannot be
 read or placed are skipped, and the report says why; if that are most, nothing is written and the exit
-code is 65. Where the folder has a groundtruth.txt, the report says how far the scan is off it, and was
-before loops were closed.
+code is 65. With --method kinfu the frames become a mesh (`horma fuse` has more to set). Where the
+folder has a groundtruth.txt, the report says how far the scan is off it, and was before loops were
+closed.
 
 For example:
   horma scan walk -o part.ply
   horma scan walk -o part.ply --trajectory went.txt --report scan.html
+  horma scan walk --method kinfu --voxel 5 -o part.stl
+  horma scan views --method kinfu --turntable calibrate --voxel 2 -o part.stl
   horma scan rgbd_dataset_freiburg1_rpy --camera freiburg1 --method visual-icp --voxel 8 -o desk.ply"
 )]
 pub(crate) struct ScanArgs {
     /// The folder with the frames.
-    input: PathBuf,
-    /// Where the cloud goes: .ply, .obj, .glb, .xyz or .csv.
+    pub(super) input: PathBuf,
+    /// Where the cloud goes: .ply, .obj, .glb, .xyz or .csv; with --method kinfu the mesh: .stl, .ply,
+    /// .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// Write where the camera went, in the format of the TUM benchmark.
     #[arg(long, value_name = "FILE")]
-    trajectory: Option<PathBuf>,
+    pub(super) trajectory: Option<PathBuf>,
     /// Write a page with the way of the camera and what was skipped.
     #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    pub(super) report: Option<PathBuf>,
     /// The camera: kinect, freiburg1, or a camera.toml [default: the folder's camera.toml].
     #[arg(long, value_name = "CAMERA")]
-    camera: Option<PathBuf>,
+    pub(super) camera: Option<PathBuf>,
     /// Replace outputs that are there already.
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
     #[command(flatten)]
-    options: ScanOptions,
+    pub(super) turntable: TurntableArgs,
+    #[command(flatten)]
+    pub(super) options: ScanOptions,
 }
 
 /// Opens the folder, places frame by frame, writes and tells; a failed scan is an error.
 pub(crate) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
+    if args.options.odometry.method == Method::Kinfu {
+        return scan_model::run(args, shell);
+    }
+    if args.turntable.is_asked() {
+        bail!("on a turntable frames are fused into a model: give --method kinfu too");
+    }
     args.options.check()?;
     args.try_outputs()?;
     let camera = args.camera.as_deref().map(read_camera).transpose()?;
