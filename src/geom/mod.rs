@@ -2,6 +2,7 @@
 
 mod aabb;
 mod cloud;
+mod delaunay;
 mod downsample;
 mod mesh;
 mod nearest;
@@ -20,10 +21,11 @@ mod weld;
 
 pub use aabb::Aabb;
 pub use cloud::PointCloud;
+pub use delaunay::{BEYOND, Cell, DelaunayError, delaunay};
 pub(crate) use downsample::centroid;
 pub use downsample::{Cells, VoxelError, voxel_grid};
 pub use mesh::TriMesh;
-pub use nearest::{KdTree, Nearest, Neighbour, VoxelMap, distances_from_mesh};
+pub use nearest::{KdTree, Nearest, Neighbour, OnMesh, VoxelMap, distances_from_mesh};
 pub(crate) use normals::least_direction;
 pub use normals::{Tangent, is_border, normals, orient_alike, orient_towards};
 pub use outliers::{OutlierFilter, OutlierKind};

@@ -5,9 +5,8 @@
 //! of the part's surface. Where a clamp lies outermost the ray says nothing about the part.
 
 use super::limit::limit;
-use super::nearest::Nearest;
 use crate::cam::Part;
-use crate::geom::{Point3, TriMesh};
+use crate::geom::{OnMesh, Point3, TriMesh};
 use crate::progress::Progress;
 use crate::stock::{Stock, StockError};
 use crate::tool::Cutter;
@@ -146,7 +145,7 @@ pub fn deviation(
     let layout = stock.layout();
     let own = Stock::of_mesh(layout.clone(), &piece(own));
     let clamps = Stock::of_mesh(layout.clone(), &piece(clamps));
-    let nearest = Nearest::new(target.mesh, target.n_own);
+    let nearest = OnMesh::new(target.mesh, target.n_own);
     let measure = Measure { stock, own: &own, clamps: &clamps, reachable: &reachable, nearest };
     progress.start("measuring", layout.n_rows() as u64);
     let n = layout.n_columns();
@@ -175,7 +174,7 @@ struct Measure<'a> {
     own: &'a Stock,
     clamps: &'a Stock,
     reachable: &'a Stock,
-    nearest: Nearest,
+    nearest: OnMesh,
 }
 
 impl Measure<'_> {

@@ -8,7 +8,6 @@
 mod blame;
 mod deviation;
 mod limit;
-mod nearest;
 mod ridge;
 mod simulate;
 

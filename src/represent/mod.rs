@@ -1,4 +1,4 @@
-//! Fewer points that say the same: voxel grid, octree, growing neural gas.
+//! Fewer points that say the same: voxel grid, octree, growing neural gas, and its [`surface`].
 //!
 //! Each takes a cloud part by part ([`CloudParts`](crate::geom::CloudParts)), in memory or not, and gives
 //! representatives; [`mean_error()`] says how far the cloud is from them, [`polish()`] brings them to the middle of
@@ -11,6 +11,7 @@ pub mod gng;
 mod mean_error;
 pub mod octree;
 mod polish;
+pub mod surface;
 pub mod voxel;
 
 pub use mean_error::{MeanError, MeanErrorError, mean_error};

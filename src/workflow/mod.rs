@@ -3,6 +3,7 @@
 pub mod cam;
 pub mod evaluate;
 pub mod fuse;
+pub mod mesh;
 pub mod reduce;
 pub mod register;
 pub mod scan;

@@ -29,6 +29,7 @@ mod licences;
 mod linuxcnc;
 mod machine_files;
 mod machines;
+mod mesh;
 mod mill_paths;
 mod oracles;
 mod output;

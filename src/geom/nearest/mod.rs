@@ -1,16 +1,16 @@
-//! Which points of a cloud lie nearest to a place.
+//! Which points of a cloud lie nearest to a place, and how far a mesh is from it.
 //!
 //! [`KdTree`] answers at any distance; [`VoxelMap`] only looks into the cells around a place, which
 //! is quicker to build. Both keep coordinates in `f32` about the middle of the cloud: points whose
 //! distances differ by less than a ten-millionth of the cloud's size may be taken for each other.
 
 mod kd_tree;
-mod mesh;
+mod on_mesh;
 mod search;
 mod voxel_map;
 
 pub use kd_tree::KdTree;
-pub use mesh::distances_from_mesh;
+pub use on_mesh::{OnMesh, distances_from_mesh};
 pub use voxel_map::VoxelMap;
 
 use super::Point3;

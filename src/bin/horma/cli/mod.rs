@@ -13,6 +13,7 @@ mod info;
 mod last;
 mod machine;
 mod mean_error;
+mod mesh;
 mod reduce;
 mod register;
 mod restart;
@@ -81,6 +82,7 @@ enum Command {
     Evaluate(evaluate::EvaluateArgs),
     Register(Box<register::RegisterArgs>),
     Scan(Box<scan::ScanArgs>),
+    Mesh(Box<mesh::MeshArgs>),
     Reduce(Box<reduce::ReduceArgs>),
     MeanError(mean_error::MeanErrorArgs),
     Fuse(Box<fuse::FuseArgs>),
@@ -110,6 +112,7 @@ impl Cli {
             Command::SimulateScan(args) => simulate_scan::run(args, &self.shell),
             Command::Evaluate(args) => evaluate::run(args, &self.shell),
             Command::Scan(args) => scan::run(args, &self.shell),
+            Command::Mesh(args) => mesh::run(args, &self.shell),
             Command::Register(args) => register::run(args, &self.shell),
             Command::Reduce(args) => reduce::run(args, &self.shell),
             Command::MeanError(args) => mean_error::run(args, &self.shell),

@@ -1,25 +1,34 @@
 //! How far a point is from a mesh: a descent through the tree over its triangles.
 
-use crate::geom::{Lanes, Node, PatchTree, Point3, TriMesh, Vector3, WIDTH};
+use crate::geom::tree::{Lanes, Node, PatchTree, WIDTH};
+use crate::geom::{Point3, TriMesh, Vector3};
+use rayon::prelude::*;
 
 /// Boxes are kept and measured in `f32`: a box is passed by only if it is farther off by this [mm].
 const SLACK: f32 = 1e-3;
 
+/// How far each of `points` lies from `mesh` [mm]; infinitely far from one without triangles.
+pub fn distances_from_mesh(mesh: &TriMesh, points: &[Point3]) -> Vec<f64> {
+    let on_mesh = OnMesh::new(mesh, mesh.triangles.len());
+    points.par_iter().map(|point| on_mesh.distance(point, f64::INFINITY)).collect()
+}
+
 /// A mesh ready to be measured against.
-pub(super) struct Nearest {
+pub struct OnMesh {
     triangles: Vec<[Point3; 3]>,
     tree: PatchTree<3>,
 }
 
-impl Nearest {
-    pub(super) fn new(mesh: &TriMesh, n_triangles: usize) -> Self {
+impl OnMesh {
+    /// A tree over the first `n_triangles` triangles of `mesh`.
+    pub fn new(mesh: &TriMesh, n_triangles: usize) -> Self {
         let triangles: Vec<_> = (0..n_triangles).map(|i| mesh.corners(i)).collect();
         let tree = PatchTree::build(&triangles);
         Self { triangles, tree }
     }
 
     /// The distance of `point` from the nearest triangle, if that is less than `limit`; else `limit`.
-    pub(super) fn distance(&self, point: &Point3, limit: f64) -> f64 {
+    pub fn distance(&self, point: &Point3, limit: f64) -> f64 {
         let out = point - self.tree.origin;
         let seen = [out.x as f32, out.y as f32, out.z as f32];
         let mut best = limit;
@@ -105,7 +114,7 @@ mod tests {
     #[test]
     fn the_tree_finds_the_same_distance_as_trying_every_triangle() {
         let mesh = shapes::bumpy_cylinder(2_000);
-        let nearest = Nearest::new(&mesh, mesh.triangles.len());
+        let nearest = OnMesh::new(&mesh, mesh.triangles.len());
         for i in 0..200_u32 {
             let t = f64::from(i);
             let point = Point3::new(t * 0.7 - 20.0, 50.0 * (t * 0.9).cos(), 45.0 * (t * 1.3).sin());
