@@ -7,6 +7,7 @@
 mod chart;
 mod clouds;
 mod contender;
+mod fig_2_10;
 mod fig_3_7;
 mod fig_4_13;
 mod fig_4_14;
@@ -17,8 +18,10 @@ mod lathe;
 mod plain_gng;
 mod scan;
 mod sweep;
+mod table_2_2;
 mod table_4_1;
 mod table_4_5;
+mod walks;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -38,6 +41,12 @@ struct Arguments {
 
 #[derive(Debug, Clone, Copy, Subcommand)]
 enum Experiment {
+    /// Errors of five ways to follow a camera, on every recorded sequence.
+    #[command(name = "fig-2-10")]
+    Fig2_10,
+    /// The same where texture or structure is missing, on simulated walks.
+    #[command(name = "table-2-2")]
+    Table2_2,
     /// Mean error of octree, voxel grid and growing neural gas over the number of representatives.
     #[command(name = "fig-3-7")]
     Fig3_7,
@@ -66,6 +75,8 @@ fn main() -> anyhow::Result<()> {
     println!("{}", machine());
     let share = if arguments.quick { 0.1 } else { 1.0 };
     match arguments.experiment {
+        Experiment::Fig2_10 => fig_2_10::run(&arguments.output, share),
+        Experiment::Table2_2 => table_2_2::run(&arguments.output, share),
         Experiment::Fig3_7 => fig_3_7::run(&arguments.output, share),
         Experiment::Table4_1 => table_4_1::run(&arguments.output, share),
         Experiment::Table4_5 => table_4_5::run(&arguments.output, share),
