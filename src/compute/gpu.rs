@@ -196,7 +196,7 @@ impl fmt::Debug for Gpu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compute::testing::device;
+    use crate::compute::device;
 
     /// Doubles what is bound.
     const DOUBLE: &str = "

@@ -9,6 +9,8 @@ mod adapter;
 mod choice;
 mod error;
 mod gpu;
+#[cfg(test)]
+pub(crate) mod judge;
 mod kernel;
 mod memory;
 mod pace;
@@ -20,10 +22,11 @@ pub use gpu::Gpu;
 pub use kernel::{Kernel, Precision};
 pub use memory::Buffer;
 pub(crate) use pace::Pace;
-
-/// What tests of kernels need.
 #[cfg(test)]
-pub(crate) mod testing {
+pub(crate) use testing::device;
+
+#[cfg(test)]
+mod testing {
     use super::Gpu;
 
     /// A device; without one the test is skipped, and says so, unless `HORMA_REQUIRE_GPU` forbids that.

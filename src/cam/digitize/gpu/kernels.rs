@@ -60,8 +60,7 @@ impl Task {
 mod tests {
     use super::super::layout::{Double, Job, Layout, N_CANDIDATES, Single, double, single};
     use super::*;
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
-    use std::mem::offset_of;
+    use crate::compute::judge::{Shape, assert_valid, in_rust, in_wgsl};
 
     fn all() -> impl Iterator<Item = Kernel> {
         let precisions = [Single::PRECISION, Double::PRECISION].into_iter();
@@ -74,50 +73,11 @@ mod tests {
         })
     }
 
-    fn module(kernel: &Kernel) -> naga::Module {
-        let source = kernel.source();
-        naga::front::wgsl::parse_str(&source)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)))
-    }
-
     #[test]
     fn every_kernel_is_valid_and_needs_f64_only_where_it_computes_with_it() {
         for kernel in all() {
-            let capabilities = match kernel.precision {
-                Precision::Single => Capabilities::empty(),
-                Precision::Double => Capabilities::FLOAT64,
-            };
-            let module = module(&kernel);
-            let mut validator = Validator::new(ValidationFlags::all(), capabilities);
-            if let Err(error) = validator.validate(&module) {
-                panic!("{}: {}", kernel.name, error.emit_to_string(&kernel.source()));
-            }
-            assert_eq!(module.entry_points.len(), 1, "{}", kernel.name);
+            assert_valid(&kernel);
         }
-    }
-
-    /// Name and offset of each member, and the size of the struct.
-    type Shape = (Vec<(String, usize)>, usize);
-
-    fn in_wgsl(module: &naga::Module, name: &str) -> Shape {
-        let mut types = module.types.iter().map(|(_, found)| found);
-        let found = types.find(|found| found.name.as_deref() == Some(name));
-        let naga::TypeInner::Struct { members, span } = &found.expect(name).inner else {
-            panic!("{name} is no struct")
-        };
-        let member = |member: &naga::StructMember| {
-            (member.name.clone().unwrap_or_default(), member.offset as usize)
-        };
-        (members.iter().map(member).collect(), *span as usize)
-    }
-
-    macro_rules! in_rust {
-        ($of:ty: $($member:ident),+) => {
-            (
-                vec![$((stringify!($member).to_owned(), offset_of!($of, $member))),+],
-                size_of::<$of>(),
-            )
-        };
     }
 
     macro_rules! mirrors {
@@ -147,13 +107,12 @@ mod tests {
         for kernel in all()
             .filter(|kernel| kernel.name == "digitize_tree" && kernel.parts.contains(&TRIANGLE))
         {
-            let module = module(&kernel);
             let mirrors: [(&str, Shape); 6] = match kernel.precision {
                 Precision::Single => mirrors!(single),
                 Precision::Double => mirrors!(double),
             };
             for (name, mirror) in mirrors {
-                assert_eq!(in_wgsl(&module, name), mirror, "{name} in {:?}", kernel.precision);
+                assert_eq!(in_wgsl(&kernel, name), mirror, "{name} in {:?}", kernel.precision);
             }
         }
     }

@@ -28,53 +28,16 @@ fn kernel(name: &'static str, own: &'static str) -> Kernel {
 mod tests {
     use super::super::layout::{Cast, Touched, View};
     use super::*;
+    use crate::compute::judge::{assert_valid, in_rust, in_wgsl};
     use crate::register::tsdf::Reading;
     use crate::register::tsdf::block::{N, SIDE};
     use crate::register::tsdf::tiles::TILE;
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
-    use std::mem::offset_of;
-
-    fn module(kernel: &Kernel) -> naga::Module {
-        let source = kernel.source();
-        naga::front::wgsl::parse_str(&source)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)))
-    }
 
     #[test]
     fn every_kernel_is_valid() {
         for kernel in [integrate(), cast()] {
-            let module = module(&kernel);
-            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-            if let Err(error) = validator.validate(&module) {
-                panic!("{}: {}", kernel.name, error.emit_to_string(&kernel.source()));
-            }
-            assert_eq!(module.entry_points.len(), 1, "{}", kernel.name);
+            assert_valid(&kernel);
         }
-    }
-
-    /// Name and offset of each member, and the size of the struct.
-    type Shape = (Vec<(String, usize)>, usize);
-
-    fn in_wgsl(kernel: &Kernel, name: &str) -> Shape {
-        let module = module(kernel);
-        let mut types = module.types.iter().map(|(_, found)| found);
-        let found = types.find(|found| found.name.as_deref() == Some(name));
-        let naga::TypeInner::Struct { members, span } = &found.expect(name).inner else {
-            panic!("{name} is no struct")
-        };
-        let member = |member: &naga::StructMember| {
-            (member.name.clone().unwrap_or_default(), member.offset as usize)
-        };
-        (members.iter().map(member).collect(), *span as usize)
-    }
-
-    macro_rules! in_rust {
-        ($of:ty: $($member:ident),+) => {
-            (
-                vec![$((stringify!($member).to_owned(), offset_of!($of, $member))),+],
-                size_of::<$of>(),
-            )
-        };
     }
 
     #[test]

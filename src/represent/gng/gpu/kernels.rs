@@ -30,44 +30,14 @@ fn kernel(name: &'static str, parts: Vec<&'static str>) -> Kernel {
 mod tests {
     use super::super::layout::{Answer, Batch, Insertion, Lesson, Outcome};
     use super::*;
+    use crate::compute::judge::{assert_valid, in_rust, in_wgsl};
     use crate::represent::gng::links::Slot;
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
-    use std::mem::offset_of;
-
-    fn module(kernel: &Kernel) -> naga::Module {
-        let source = kernel.source();
-        naga::front::wgsl::parse_str(&source)
-            .unwrap_or_else(|error| panic!("{}: {}", kernel.name, error.emit_to_string(&source)))
-    }
 
     #[test]
     fn every_kernel_is_valid() {
         for kernel in [winners(), learn(), insert()] {
-            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-            if let Err(error) = validator.validate(&module(&kernel)) {
-                panic!("{}: {}", kernel.name, error.emit_to_string(&kernel.source()));
-            }
+            assert_valid(&kernel);
         }
-    }
-
-    /// Name and offset of each member, and the size of the struct.
-    fn in_wgsl(kernel: &Kernel, name: &str) -> (Vec<(String, usize)>, usize) {
-        let module = module(kernel);
-        let found = module.types.iter().find(|(_, found)| found.name.as_deref() == Some(name));
-        let naga::TypeInner::Struct { members, span } = &found.expect(name).1.inner else {
-            panic!("{name} is no struct")
-        };
-        let member = |m: &naga::StructMember| (m.name.clone().unwrap(), m.offset as usize);
-        (members.iter().map(member).collect(), *span as usize)
-    }
-
-    macro_rules! in_rust {
-        ($of:ty: $($member:ident),+) => {
-            (
-                vec![$((stringify!($member).to_owned(), offset_of!($of, $member))),+],
-                size_of::<$of>(),
-            )
-        };
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::compute::testing::device;
+use crate::compute::device;
 use crate::represent::gng::winners::{Scan, Winners};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
