@@ -7,7 +7,7 @@ use super::learn::{Lesson, Stopped, learn};
 use super::network::{Network, Place};
 use super::options::{GngOptions, Search};
 use super::signals::{Signals, place};
-use super::winners::{Grid, Scan};
+use super::winners::{Grid, Nobody, Scan};
 use crate::compute::{ComputeChoice, Gpu};
 use crate::geom::{Aabb, CloudParts, PointCloud, Vector3, box_of_parts};
 use crate::progress::Progress;
@@ -91,6 +91,8 @@ pub fn grow(
     Ok(Grown { graph: growth.network.to_graph(&origin), n_signals, stopped, learned_on })
 }
 
+/// With fewer neurons than this it takes less to try them all.
+const FEW: usize = 512;
 /// Neurons from which on it is worth asking where a signal takes less.
 const FIRST_ASKED: usize = 1024;
 /// Signals tried on the device.
@@ -107,17 +109,32 @@ struct Growth<'a> {
 
 impl Growth<'_> {
     fn on_cpu(&mut self, n_neurons: usize) -> Result<Stopped, GngError> {
-        let Self { network, lesson, progress, corners: [low, high] } = self;
-        match lesson.options.search {
-            Search::Grid => {
-                let mut winners = Grid::over(*low, *high, &network.neurons);
-                learn(network, &mut winners, lesson, n_neurons, *progress)
+        let n_by_scan = match self.lesson.options.search {
+            Search::Scan => n_neurons,
+            Search::Grid => n_neurons.min(FEW),
+        };
+        if self.network.neurons.len() < n_by_scan || n_by_scan == n_neurons {
+            let stopped = self.by_scan(n_by_scan)?;
+            if stopped != Stopped::Count || n_by_scan == n_neurons {
+                return Ok(stopped);
             }
-            Search::Scan => {
-                let mut winners = Scan::over(&network.neurons);
-                learn(network, &mut winners, lesson, n_neurons, *progress)
-            }
+            self.insert()?;
         }
+        let Self { network, lesson, progress, corners: [low, high] } = self;
+        let mut winners = Grid::over(*low, *high, &network.neurons);
+        learn(network, &mut winners, lesson, n_neurons, *progress)
+    }
+
+    fn by_scan(&mut self, n_neurons: usize) -> Result<Stopped, GngError> {
+        let Self { network, lesson, progress, .. } = self;
+        let mut winners = Scan::over(&network.neurons);
+        learn(network, &mut winners, lesson, n_neurons, *progress)
+    }
+
+    /// The neuron that is due when a network goes on elsewhere.
+    fn insert(&mut self) -> Result<(), GngError> {
+        self.network.insert(&self.lesson.rates, &mut Nobody);
+        Ok(self.progress.advance(1)?)
     }
 
     fn on_device(&mut self, gpu: &Gpu, n_neurons: usize) -> Result<Stopped, GngError> {
@@ -150,6 +167,7 @@ impl Growth<'_> {
             let mut tried = vec![[0.0; 3]; TRIED];
             self.lesson.signals.fill(&mut tried)?;
             let on_device = ns_per_signal(&self.network, gpu, self.lesson.rates, &tried)?;
+            self.insert()?;
             if on_device < on_cpu {
                 let learned_on = self.named(gpu);
                 return Ok((self.on_device(gpu, n_neurons)?, learned_on));

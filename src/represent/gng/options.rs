@@ -83,7 +83,7 @@ pub enum Decay {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Search {
-    /// In the cells around the signal.
+    /// In the cells around the signal, once there are some hundred neurons.
     Grid,
     /// Among all neurons, many side by side.
     Scan,

@@ -52,9 +52,9 @@ fn n_pieces(graph: &NeuronGraph) -> usize {
 
 #[test]
 fn trying_every_neuron_and_looking_in_cells_give_the_same_network() {
-    for (cloud, n) in [(ring_and_line(900), 60), (sheet(3000), 700), (sheet(40), 40)] {
+    for (cloud, n) in [(ring_and_line(3000), 1000), (sheet(6000), 3000), (sheet(900), 900)] {
         for seed in 1..4 {
-            let grid = GngOptions { seed, lambda: 150, ..GngOptions::default() };
+            let grid = GngOptions { seed, lambda: 40, ..GngOptions::default() };
             let scan = GngOptions { search: Search::Scan, ..grid.clone() };
             assert!(grown(&cloud, n, &grid) == grown(&cloud, n, &scan), "{n} neurons, seed {seed}");
         }
