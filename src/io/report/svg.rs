@@ -38,7 +38,7 @@ pub fn line_chart(series: &[Series], labels: Labels) -> String {
     let points = || series.iter().flat_map(|s| &s.points);
     let x = Ticks::around(points().map(|p| p[0]), 6);
     let y = Ticks::around(points().map(|p| p[1]), 5).widened();
-    lines(series, labels, &x, &y)
+    lines(&all_thinned(series), labels, &x, &y)
 }
 
 /// The same where both axes go by powers of ten; what is not above 0 is left out.
@@ -46,7 +46,7 @@ pub fn log_log_chart(series: &[Series], labels: Labels) -> String {
     let points = || series.iter().flat_map(|s| &s.points);
     let x = Ticks::decades(points().map(|p| p[0]));
     let y = Ticks::decades(points().map(|p| p[1])).widened();
-    lines(series, labels, &x, &y)
+    lines(&all_thinned(series), labels, &x, &y)
 }
 
 /// Places on a map: both axes in one scale. Points may come in any order along their line.
@@ -69,7 +69,7 @@ fn lines(series: &[Series], labels: Labels, x: &Ticks, y: &Ticks) -> String {
     let mut svg = Chart::new(x, y, labels);
     for (i, line) in series.iter().enumerate() {
         let color = SERIES[i % SERIES.len()];
-        for run in runs(&thinned(&line.points)) {
+        for run in runs(&line.points) {
             let places = run.iter().map(|&[px, py]| place(x, y, px, py));
             let corners: Vec<String> = places.map(|[px, py]| format!("{px:.1},{py:.1}")).collect();
             svg.add(format_args!(
@@ -156,6 +156,11 @@ fn runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
     points.split(move |p| !is_number(p)).filter(|run| !run.is_empty())
 }
 
+fn all_thinned(series: &[Series]) -> Vec<Series> {
+    let thin = |line: &Series| Series { name: line.name.clone(), points: thinned(&line.points) };
+    series.iter().map(thin).collect()
+}
+
 /// No more points than the eye can tell apart: of each column the least and the greatest, in order,
 /// and a gap wherever there was one.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
@@ -233,6 +238,17 @@ mod tests {
             .collect();
         let (across, up) = (corners[1][0] - corners[0][0], corners[1][1] - corners[2][1]);
         assert!((across - up).abs() < 0.2 && up > 200.0, "{across} {up}");
+    }
+
+    #[test]
+    fn dots_of_a_plan_stay_apart_however_many_they_are() {
+        let dot = |i: u32| {
+            let [x, y] = [f64::from(i % 97), f64::from(i % 89)];
+            [[x, y], [x + 0.1, y], [f64::NAN; 2]]
+        };
+        let points = (0..4000).flat_map(dot).collect();
+        let svg = plan_chart(&[series(points)], Labels { x: "x", y: "y" });
+        assert_eq!(svg.matches("<polyline").count(), 4000);
     }
 
     #[test]
