@@ -164,19 +164,27 @@ impl Growth<'_> {
             }
             let n_signals = self.lesson.course.n_signals - n_before;
             let on_cpu = begin.elapsed().as_nanos() as f64 / n_signals as f64;
-            let mut tried = vec![[0.0; 3]; TRIED];
-            self.lesson.signals.fill(&mut tried)?;
-            let on_device = ns_per_signal(&self.network, gpu, self.lesson.rates, &tried)?;
+            // Not signals that are drawn: the network shall be the same if it stays.
+            let tried: Vec<Place> = self.network.neurons.iter().take(TRIED).map(|n| n.at).collect();
+            let on_device = ns_per_signal(&self.network, gpu, self.lesson.rates, &tried);
             self.insert()?;
-            if on_device < on_cpu {
-                let learned_on = self.named(gpu);
-                return Ok((self.on_device(gpu, n_neurons)?, learned_on));
+            match on_device {
+                Ok(on_device) if on_device < on_cpu => {
+                    let learned_on = self.named(gpu);
+                    return Ok((self.on_device(gpu, n_neurons)?, learned_on));
+                }
+                Ok(on_device) => {
+                    why = format!(
+                        "with {next} neurons a signal took {on_cpu:.0} ns, on {} {on_device:.0} ns",
+                        gpu.name()
+                    );
+                    next *= 2;
+                }
+                Err(error) => {
+                    let why = Some(error.to_string());
+                    return Ok((self.on_cpu(n_neurons)?, LearnedOn::Cpu { why }));
+                }
             }
-            why = format!(
-                "with {next} neurons a signal took {on_cpu:.0} ns, on {} {on_device:.0} ns",
-                gpu.name()
-            );
-            next *= 2;
         }
     }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::compute::{ComputeChoice, device};
 use crate::geom::{Point3, PointCloud};
 use crate::progress::{Cancelled, Progress, Silent};
 
@@ -84,6 +85,36 @@ fn as_many_neurons_as_asked_for_and_errors_that_tell_where_it_is_worst() {
     assert!(
         grown.graph.edges.iter().all(|edge| edge.age <= 2 * max_age && edge.ends[0] < edge.ends[1])
     );
+}
+
+#[test]
+fn a_device_grows_as_many_neurons_signal_by_signal_or_in_batches() {
+    let Some(_) = device() else { return };
+    let cloud = sheet(2000);
+    for batch in [None, Some(60)] {
+        let compute = ComputeChoice::Gpu;
+        let options = GngOptions { batch, compute, lambda: 60, ..GngOptions::default() };
+        let found = grown(&cloud, 90, &options);
+        assert_eq!((found.graph.neurons.points.len(), found.stopped), (90, Stopped::Count));
+        assert!(matches!(found.learned_on, LearnedOn::Device { n_neurons: 2, .. }));
+        assert!(found.graph.neighbours().iter().all(|near| !near.is_empty()));
+    }
+}
+
+#[test]
+fn a_network_that_stays_on_the_processor_is_the_one_that_was_never_asked() {
+    let cloud = sheet(6000);
+    let never = GngOptions { lambda: 40, ..GngOptions::default() };
+    let asked = GngOptions { compute: ComputeChoice::Auto, ..never.clone() };
+    let found = grown(&cloud, 2500, &asked);
+    match found.learned_on {
+        LearnedOn::Cpu { why } => {
+            assert!(why.is_some());
+            assert!(found.graph == grown(&cloud, 2500, &never).graph);
+        }
+        // A device may be faster.
+        LearnedOn::Device { .. } => assert_eq!(found.graph.neurons.points.len(), 2500),
+    }
 }
 
 #[test]
