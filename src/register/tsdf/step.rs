@@ -104,13 +104,9 @@ impl Sums {
         let weight = robust / (sigma * sigma);
         let turn = point.coords.cross(&normal);
         let row = Vector6::new(turn.x, turn.y, turn.z, normal.x, normal.y, normal.z);
-        let outer = row * row.transpose();
-        self.hessian += outer * weight;
+        self.hessian += row * row.transpose() * weight;
         self.gradient += row * (weight * residual);
-        self.held.information += outer;
-        self.held.place += point.coords;
-        self.held.square += point.coords.norm_squared();
-        self.held.n += 1.0;
+        self.held.add(&point.coords, [&normal, &turned]);
     }
 }
 
