@@ -46,10 +46,19 @@ pub(super) struct Motion {
 
 /// The normal equations `h step = -g`, and the sum of squares.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Normal {
-    pub(super) h: Matrix6<f64>,
-    pub(super) g: Vector6<f64>,
-    pub(super) cost: f64,
+pub(in crate::register) struct Normal {
+    pub(in crate::register) h: Matrix6<f64>,
+    pub(in crate::register) g: Vector6<f64>,
+    pub(in crate::register) cost: f64,
+}
+
+impl std::ops::Mul<f64> for Normal {
+    type Output = Self;
+
+    /// The same, counting for `scale` times as much.
+    fn mul(self, scale: f64) -> Self {
+        Self { h: self.h * scale, g: self.g * scale, cost: self.cost * scale }
+    }
 }
 
 /// A residual along a direction.

@@ -14,6 +14,7 @@ mod cost;
 mod error;
 mod freedom;
 mod held;
+mod joint;
 mod judge;
 mod options;
 mod pair;
@@ -26,9 +27,11 @@ mod verdict;
 mod view;
 mod weigh;
 
+pub(super) use cost::Normal;
 pub use error::{IcpError, Role};
 pub(super) use freedom::free_motions;
 pub use freedom::{FreeMotion, MotionKind};
+pub(super) use joint::{Beside, Evidence};
 pub use judge::Alignment;
 pub use options::{Directions, IcpOptions, Kernel, Metric, Pairing, Sampling, Weighting};
 pub use settled::Settled;
@@ -39,12 +42,13 @@ use crate::geom::{PointCloud, Pose, Vector3};
 use crate::progress::Progress;
 use crate::rgbd::Camera;
 use cost::{Cost, Motion};
+use joint::Objective;
 use judge::Course;
 use pair::{Pair, Pairs};
 use reject::reject;
 use step::step;
 pub(super) use step::{solve, taken};
-use weigh::{colour_scale, robust, weigh};
+use weigh::{colour_scale, robust, typical, weigh};
 
 /// Fewer pairs fix no pose.
 const LEAST_PAIRS: usize = 12;
@@ -110,6 +114,17 @@ pub fn align_views(
     options: &IcpOptions,
     progress: &dyn Progress,
 ) -> Result<Alignment, IcpError> {
+    align_views_beside(views, target_from_source, (settled, options), None, progress)
+}
+
+/// The same, with what else is known of the pose.
+pub(super) fn align_views_beside(
+    views: [&View; 2],
+    target_from_source: &Pose,
+    (settled, options): (&Settled, &IcpOptions),
+    beside: Option<&Beside>,
+    progress: &dyn Progress,
+) -> Result<Alignment, IcpError> {
     options.check()?;
     if !target_from_source.to_homogeneous().iter().all(|x| x.is_finite()) {
         return Err(IcpError::Start);
@@ -123,7 +138,7 @@ pub fn align_views(
         }
     }
     let start = about_centers(target_from_source, views);
-    let course = iterate(views, &start, settled, options, progress)?;
+    let course = iterate(views, &start, (settled, options), beside, progress)?;
     let mut alignment = judge::judge(views, &start, &course, settled);
     alignment.target_from_source = from_centers(&course.pose, views);
     Ok(alignment)
@@ -141,8 +156,8 @@ pub(super) fn judged(views: [&View; 2], target_from_source: &Pose, settled: &Set
 fn iterate(
     views: [&View; 2],
     start: &Pose,
-    settled: &Settled,
-    options: &IcpOptions,
+    (settled, options): (&Settled, &IcpOptions),
+    beside: Option<&Beside>,
     progress: &dyn Progress,
 ) -> Result<Course, IcpError> {
     let [source, target] = views;
@@ -161,7 +176,7 @@ fn iterate(
         from_source.ask(sample::thinned(&samples, n_thinnings));
         from_target.ask(sample::thinned(&back_samples, n_thinnings));
         course.converged = false;
-        let (mut shortest, mut restless) = (f64::INFINITY, 0);
+        let (mut shortest, mut restless, mut noise) = (f64::INFINITY, 0, 0.0);
         for i_iteration in 0..options.iterations {
             progress.advance(0)?;
             let motion = Motion::from(&course.pose);
@@ -184,9 +199,13 @@ fn iterate(
                 course.colour_scale = colour_scale(&pairs, &cost, &motion);
             }
             cost.colour_scale = course.colour_scale;
+            if i_iteration < 2 && beside.is_some() {
+                noise = typical(&pairs, &cost, &motion);
+            }
             weigh(&mut pairs, &cost, &motion, (options.weighting, within));
             robust(&mut pairs, &cost, &motion, options.kernel);
-            let Some(small) = step(&cost, &pairs, &course.pose, target.radius) else {
+            let objective = Objective::new(cost, &pairs, beside, noise);
+            let Some(small) = step(&objective, &course.pose, target.radius) else {
                 // No step makes the cost smaller: this is the bottom.
                 course.converged = true;
                 break;

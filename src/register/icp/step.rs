@@ -1,7 +1,6 @@
 //! A step downhill: Gauss-Newton, damped (Levenberg-Marquardt) where it would go uphill.
 
-use super::cost::{Cost, Motion};
-use super::pair::Pair;
+use super::joint::Objective;
 use crate::geom::{Pose, Vector3};
 use nalgebra::{Matrix6, SymmetricEigen, UnitQuaternion, Vector6};
 
@@ -14,15 +13,15 @@ const NOTHING: f64 = 1e-12;
 /// A sum may rise by this share of itself: that is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The step, turn before shift, that makes the cost of `pairs` smaller; `None` if none does.
+/// The step, turn before shift, that makes what is made small smaller; `None` if none does.
 ///
 /// `radius` is the size of the cloud: it makes turns and shifts comparable.
-pub(super) fn step(cost: &Cost, pairs: &[Pair], pose: &Pose, radius: f64) -> Option<Vector6<f64>> {
-    let normal = cost.normal(&Motion::from(pose), pairs);
+pub(super) fn step(objective: &Objective, pose: &Pose, radius: f64) -> Option<Vector6<f64>> {
+    let normal = objective.normal(pose);
     let mut damping = 0.0;
     for _ in 0..TRIES {
         let step = solve(&normal.h, &normal.g, damping, radius);
-        let sum = cost.sum(&Motion::from(&taken(pose, &step)), pairs);
+        let sum = objective.sum(&taken(pose, &step));
         if sum <= normal.cost * (1.0 + ROUNDING) {
             return Some(step);
         }
@@ -71,7 +70,9 @@ pub(in crate::register) fn solve(
 
 #[cfg(test)]
 mod tests {
+    use super::super::cost::{Cost, Motion};
     use super::super::options::Metric;
+    use super::super::pair::Pair;
     use super::super::tests::{options, relief};
     use super::super::view::{View, ViewOptions};
     use super::*;

@@ -54,10 +54,20 @@ pub(super) fn robust(pairs: &mut [Pair], cost: &Cost, motion: &Motion, kernel: K
         return;
     }
     let residuals = map(pairs, |pair| cost.square(motion, pair).sqrt());
-    let scale = (SIGMAS * median(&mut residuals.clone())).max(EXACT * cost.target.voxel);
+    let scale = deviation(residuals.clone(), cost);
     for (pair, residual) in pairs.iter_mut().zip(residuals) {
         pair.weight *= kernel.weight(residual / scale);
     }
+}
+
+/// What pairs are off by themselves: the standard deviation of those that fit [mm].
+pub(super) fn typical(pairs: &[Pair], cost: &Cost, motion: &Motion) -> f64 {
+    deviation(map(pairs, |pair| cost.square(motion, pair).sqrt()), cost)
+}
+
+/// The standard deviation that the median of `residuals` tells.
+fn deviation(mut residuals: Vec<f64>, cost: &Cost) -> f64 {
+    (SIGMAS * median(&mut residuals)).max(EXACT * cost.target.voxel)
 }
 
 /// How many millimetres a unit of brightness counts for: as noise in both is.

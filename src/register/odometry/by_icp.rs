@@ -3,7 +3,9 @@
 use super::{Doubt, Look, Motion, OdometryOptions};
 use crate::geom::{Point3, Pose};
 use crate::progress::{Cancelled, Progress};
-use crate::register::icp::{Alignment, IcpError, IcpOptions, Metric, Settled, align_views};
+use crate::register::icp::{
+    Alignment, Beside, IcpError, IcpOptions, Metric, Settled, align_views_beside,
+};
 
 /// Neighbours a normal is taken from.
 pub(super) const NEIGHBOURS: usize = 20;
@@ -18,7 +20,7 @@ pub(super) fn motion(
     options: &OdometryOptions,
     progress: &dyn Progress,
 ) -> Result<Motion, Cancelled> {
-    match aligned(previous, next, guess, options, progress) {
+    match aligned(previous, next, guess, (None, options), progress) {
         Ok(found) => {
             let reasons = found.reasons.iter().cloned().map(Doubt::Surface).collect();
             let overlap = found.overlap[1];
@@ -30,11 +32,12 @@ pub(super) fn motion(
     }
 }
 
+/// The same as the surfaces have it, and what else is known `beside` them.
 pub(super) fn aligned(
     previous: &Look,
     next: &Look,
     guess: &Pose,
-    options: &OdometryOptions,
+    (beside, options): (Option<&Beside>, &OdometryOptions),
     progress: &dyn Progress,
 ) -> Result<Alignment, IcpError> {
     let [target, source] = [previous, next].map(Look::surface);
@@ -49,7 +52,7 @@ pub(super) fn aligned(
     };
     let settled = Settled::new(&source.cloud, &target.cloud, &icp)?;
     let still = Quiet(progress);
-    align_views([&source.view, &target.view], guess, &settled, &icp, &still)
+    align_views_beside([&source.view, &target.view], guess, (&settled, &icp), beside, &still)
 }
 
 /// Passes the wish to stop on, and keeps stages and counts to itself: a scan has its own.

@@ -10,6 +10,7 @@
 mod agreement;
 mod by_dense;
 mod by_icp;
+mod joint;
 mod look;
 mod motion;
 mod options;
@@ -41,6 +42,7 @@ pub fn motion(
         Method::Dvo => by_dense::motion(previous, next, guess, options),
         Method::Visual => visual::motion(previous, next, guess, options),
         Method::VisualIcp => visual::motion_then_icp(previous, next, guess, options, progress)?,
+        Method::RgbdIcp => joint::motion(previous, next, guess, options, progress)?,
         Method::Icp => by_icp::motion(previous, next, guess, options, progress)?,
         // `OdometryOptions::check` refuses it.
         Method::Kinfu => {

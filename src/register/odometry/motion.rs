@@ -49,7 +49,7 @@ pub enum Doubt {
         /// How many must.
         least: usize,
     },
-    /// The features that agree leave too much open.
+    /// What agrees leaves too much open.
     Open {
         /// Of where the camera is, three standard deviations [mm].
         moved: f64,
@@ -200,10 +200,9 @@ impl fmt::Display for Doubt {
             Self::FewInliers { n, of, least } => {
                 write!(f, "{n} of {of} matched features agree; {least} must")
             }
-            Self::Open { moved, turned_deg } => write!(
-                f,
-                "the features that agree leave {moved:.0} mm and {turned_deg:.2} deg open"
-            ),
+            Self::Open { moved, turned_deg } => {
+                write!(f, "what agrees leaves {moved:.0} mm and {turned_deg:.2} deg open")
+            }
             Self::Unsteady { moved, turned_deg } => write!(
                 f,
                 "half of the features differ from the other half by {moved:.0} mm and {turned_deg:.2} deg"

@@ -19,7 +19,8 @@ pub struct OdometryOptions {
     #[arg(long, value_name = "SHARE", default_value_t = Self::default().key_overlap)]
     pub key_overlap: f64,
     /// Another key frame is taken when a pose is known less well than the first one after the key
-    /// frame by this factor, on the mean over its six directions [default: 1.3 with dvo, else 4].
+    /// frame by this factor, on the mean over its six directions [default: 1.3 with dvo and rgbd-icp,
+    /// else 4].
     #[arg(long, value_name = "FACTOR")]
     pub key_factor: Option<f64>,
     /// A camera that is farther than this from where it was expected got lost [mm].
@@ -46,6 +47,8 @@ pub enum Method {
     Visual,
     /// Features, then surfaces where the pictures agree better for it.
     VisualIcp,
+    /// Features and surfaces, made small at once (RGBD-ICP).
+    RgbdIcp,
     /// Surfaces laid over each other.
     Icp,
     /// Surfaces laid over a model of all before, which becomes a mesh (Kinect Fusion).
@@ -97,9 +100,10 @@ impl OdometryOptions {
     /// By what a pose is known less well when another key frame is taken.
     ///
     /// How many features agree changes from frame to frame, and what is known with it; what all pixels
-    /// know wears off steadily.
+    /// know, or features and surfaces together, wears off steadily.
     pub fn key_factor(&self) -> f64 {
-        self.key_factor.unwrap_or(if self.method == Method::Dvo { 1.3 } else { 4.0 })
+        let is_steady = matches!(self.method, Method::Dvo | Method::RgbdIcp);
+        self.key_factor.unwrap_or(if is_steady { 1.3 } else { 4.0 })
     }
 
     /// Refuses numbers that mean nothing.

@@ -8,6 +8,7 @@ use super::Look;
 use crate::geom::{Point3, Pose, Vector3};
 use crate::register::align;
 use crate::register::features::{Match, MatchOptions, matches};
+use crate::register::icp::Normal;
 use crate::register::ransac::Model;
 use nalgebra::{Matrix6, Vector6};
 
@@ -71,6 +72,20 @@ impl Sightings {
         let (h, variance) = self.normal(pose, some);
         // Both directions see the same two corners: that is one observation, not two.
         h / (2.0 * variance.max(0.1))
+    }
+
+    /// The mean square of what `some` are off, and its normal equations for a small step from the left
+    /// of `pose`.
+    pub(super) fn mean_square(&self, pose: &Pose, some: &[usize]) -> Normal {
+        let mut sum = Normal { h: Matrix6::zeros(), g: Vector6::zeros(), cost: 0.0 };
+        let mut n_rows = 0.0_f64;
+        for row in some.iter().filter_map(|&i| self.rows(pose, &self.all[i])).flatten() {
+            sum.h += row.by_step * row.by_step.transpose();
+            sum.g += row.by_step * row.value;
+            sum.cost += row.value * row.value;
+            n_rows += 1.0;
+        }
+        sum * (1.0 / n_rows.max(1.0))
     }
 
     /// The matrix of the normal equations, and the weighted mean of a residual's square.

@@ -15,13 +15,13 @@ fn options() -> OdometryOptions {
     OdometryOptions::default()
 }
 
-/// A hand that is moved slowly before texture and structure.
-fn walk() -> (Vec<StampedPose>, Vec<RgbdFrame>) {
+/// A hand that is moved slowly before a scene.
+fn walk(scene: BuiltinScene) -> (Vec<StampedPose>, Vec<RgbdFrame>) {
     let orbit = Orbit { center: Point3::origin(), axis: Vector3::z(), distance: 1500.0 };
     let truth = orbit.hand_held(120, 0.6, 5)[..12].to_vec();
     let noise = Noise { kind: NoiseKind::Kinect, sigma: 1.0, seed: 3 };
     let sensor = SimulatedSensor { camera: camera(), noise };
-    let scene = BuiltinScene::TexturedStructured.build();
+    let scene = scene.build();
     let frames = truth.iter().enumerate().map(|(i, pose)| sensor.expose(&scene, pose, i));
     let frames = frames.collect();
     (truth, frames)
@@ -34,7 +34,7 @@ fn followed(frames: Vec<RgbdFrame>, options: OdometryOptions) -> Vec<Placed> {
 
 #[test]
 fn a_hand_held_walk_is_followed_and_a_covered_frame_is_skipped() {
-    let (truth, mut frames) = walk();
+    let (truth, mut frames) = walk(BuiltinScene::TexturedStructured);
     frames[5].depth = frames[5].depth.map(|_| 0.0);
     let placed = followed(frames, options());
     assert!(matches!(placed[5].reasons[..], [Doubt::Unusable(_)]), "{:?}", placed[5].reasons);
@@ -51,7 +51,7 @@ fn a_hand_held_walk_is_followed_and_a_covered_frame_is_skipped() {
 
 #[test]
 fn every_frame_hangs_on_the_one_it_was_placed_against() {
-    let (_, frames) = walk();
+    let (_, frames) = walk(BuiltinScene::TexturedStructured);
     // A key frame for every frame: each hangs on the one before.
     let placed = followed(frames, OdometryOptions { key_overlap: 1.0, ..options() });
     let at = |i: usize| placed[i].world_from_camera.unwrap();
@@ -67,7 +67,7 @@ fn every_frame_hangs_on_the_one_it_was_placed_against() {
 
 #[test]
 fn what_dense_odometry_knows_is_told_about_the_previous_camera() {
-    let (truth, mut frames) = walk();
+    let (truth, mut frames) = walk(BuiltinScene::TexturedStructured);
     let next = Look::new(frames.remove(9), camera(), None).unwrap();
     let previous = Look::new(frames.remove(0), camera(), None).unwrap();
     let found = motion(&previous, &next, &Pose::identity(), &options(), &Silent).unwrap();
@@ -91,9 +91,33 @@ fn what_dense_odometry_knows_is_told_about_the_previous_camera() {
 
 #[test]
 fn frames_without_colour_are_told_what_would_go() {
-    let (_, frames) = walk();
+    let (_, frames) = walk(BuiltinScene::TexturedStructured);
     let plain = |frame: &RgbdFrame| RgbdFrame { color: None, ..frame.clone() };
     let placed = followed(frames.iter().take(2).map(plain).collect(), options());
     let told = placed[1].reasons[0].to_string();
     assert!(told.contains("no colour") && told.contains("--method icp"), "{told}");
+}
+
+/// A wall lets surfaces slide, but it holds three of six motions better than features do.
+#[test]
+fn before_a_painted_wall_features_and_surfaces_together_are_nearer_the_truth() {
+    let (truth, frames) = walk(BuiltinScene::TexturedFlat);
+    let looks: Vec<Look> =
+        frames.into_iter().map(|frame| Look::new(frame, camera(), None).unwrap()).collect();
+    let found = |method: Method, i: usize| {
+        let options = OdometryOptions { method, ..options() };
+        motion(&looks[0], &looks[i], &Pose::identity(), &options, &Silent).unwrap()
+    };
+    let off = |method: Method| -> f64 {
+        let squares = (1..looks.len()).map(|i| {
+            let found = found(method, i);
+            assert_eq!(found.verdict, Verdict::Ok, "{method:?} {i}: {:?}", found.reasons);
+            let known = truth[0].world_from_camera.inverse() * truth[i].world_from_camera;
+            (known.inverse() * found.previous_from_next).translation.vector.norm_squared()
+        });
+        (squares.sum::<f64>() / (looks.len() - 1) as f64).sqrt()
+    };
+    assert_eq!(found(Method::Icp, 3).verdict, Verdict::Failed);
+    let [features, both] = [Method::Visual, Method::RgbdIcp].map(off);
+    assert!(both < 0.9 * features, "{both} mm, and {features} mm without surfaces");
 }

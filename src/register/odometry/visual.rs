@@ -17,9 +17,9 @@ const SOME: usize = 25;
 /// The share of the matches that must agree.
 const LEAST_SHARE: f64 = 0.25;
 /// What may be left open of a motion that is believed [mm, deg]: half of what would be too much.
-const OPEN: [f64; 2] = [10.0, 0.5];
+pub(super) const OPEN: [f64; 2] = [10.0, 0.5];
 /// What the two halves of the sightings may differ by [mm, deg].
-const UNSTEADY: [f64; 2] = [20.0, 1.0];
+pub(super) const UNSTEADY: [f64; 2] = [20.0, 1.0];
 /// Surfaces must bring brightness nearer by this share to be believed more than features.
 const NEARER: f64 = 0.01;
 
@@ -30,22 +30,32 @@ pub(super) fn motion(
     guess: &Pose,
     options: &OdometryOptions,
 ) -> Motion {
-    let unusable = |why: &str| Motion::failed(guess, Doubt::Unusable(why.to_owned()));
+    match consensus(previous, next, options) {
+        Ok((seen, found)) => judged(&seen, &found),
+        Err(doubt) => Motion::failed(guess, doubt),
+    }
+}
+
+/// What both frames see, and the motion that most of it agrees on; or why there is none.
+pub(super) fn consensus(
+    previous: &Look,
+    next: &Look,
+    options: &OdometryOptions,
+) -> Result<(Sightings, Consensus<Pose>), Doubt> {
     let Some(seen) = Sightings::of(previous, next, &MatchOptions::default()) else {
-        return unusable("the frame has no colours to look for features in; use --method icp");
+        let why = "the frame has no colours to look for features in; use --method icp";
+        return Err(Doubt::Unusable(why.to_owned()));
     };
     let few = |n: usize, of: usize| Doubt::FewInliers { n, of, least: FEW };
     if seen.all.len() < FEW {
-        return Motion::failed(guess, few(seen.all.len(), seen.n_matches));
+        return Err(few(seen.all.len(), seen.n_matches));
     }
     let tries = RansacOptions { seed: options.seed, ..RansacOptions::default() };
-    let Some(found) = ransac(&seen, &tries) else {
-        return Motion::failed(guess, few(0, seen.all.len()));
-    };
+    let Some(found) = ransac(&seen, &tries) else { return Err(few(0, seen.all.len())) };
     if found.inliers.len() < FEW {
-        return Motion::failed(guess, few(found.inliers.len(), seen.all.len()));
+        return Err(few(found.inliers.len(), seen.all.len()));
     }
-    judged(&seen, &found)
+    Ok((seen, found))
 }
 
 /// The same, laid over by surfaces then; that is taken only if the pictures agree better, which
@@ -84,14 +94,11 @@ pub(super) fn motion_then_icp(
     Ok(visual)
 }
 
-fn judged(seen: &Sightings, found: &Consensus<Pose>) -> Motion {
+/// What the features that agree hold, and what speaks against their motion.
+pub(super) fn judged(seen: &Sightings, found: &Consensus<Pose>) -> Motion {
     let (pose, inliers) = (&found.hypothesis, &found.inliers);
-    let mut reasons = Vec::new();
     let (n, of) = (inliers.len(), seen.all.len());
-    if n < SOME || (n as f64) < LEAST_SHARE * of as f64 {
-        let least = SOME.max((LEAST_SHARE * of as f64).ceil() as usize);
-        reasons.push(Doubt::FewInliers { n, of, least });
-    }
+    let mut reasons: Vec<Doubt> = few(n, of).into_iter().collect();
     let information = seen.information(pose, inliers);
     let open = open(&information);
     if !is_within(open, OPEN) {
@@ -113,8 +120,14 @@ fn judged(seen: &Sightings, found: &Consensus<Pose>) -> Motion {
     Motion::new(*pose, reasons, information, n as f64 / of as f64)
 }
 
+/// The doubt that `n` features that agree, of all that matched, are too few.
+pub(super) fn few(n: usize, of: usize) -> Option<Doubt> {
+    let least = SOME.max((LEAST_SHARE * of as f64).ceil() as usize);
+    (n < least).then_some(Doubt::FewInliers { n, of, least })
+}
+
 /// Three standard deviations of where the camera is and how it is turned [mm, deg].
-fn open(information: &Matrix6<f64>) -> [f64; 2] {
+pub(super) fn open(information: &Matrix6<f64>) -> [f64; 2] {
     let Some(covariance) = information.try_inverse() else { return [f64::INFINITY; 2] };
     let greatest = |at: usize| {
         let block = covariance.fixed_view::<3, 3>(at, at).into_owned();
@@ -123,12 +136,12 @@ fn open(information: &Matrix6<f64>) -> [f64; 2] {
     [greatest(3), greatest(0).to_degrees()]
 }
 
-fn between(one: &Pose, other: &Pose) -> [f64; 2] {
+pub(super) fn between(one: &Pose, other: &Pose) -> [f64; 2] {
     let off = one.inverse() * other;
     [off.translation.vector.norm(), off.rotation.angle().to_degrees()]
 }
 
 /// A comparison that NaN fails.
-fn is_within([moved, turned]: [f64; 2], most: [f64; 2]) -> bool {
+pub(super) fn is_within([moved, turned]: [f64; 2], most: [f64; 2]) -> bool {
     moved <= most[0] && turned <= most[1]
 }

@@ -43,7 +43,7 @@ fn scanned(
 #[test]
 fn every_method_follows_a_camera_before_texture_and_structure() {
     let walk = walk(BuiltinScene::TexturedStructured, NoiseKind::Kinect);
-    for method in [Method::Dvo, Method::Visual, Method::VisualIcp, Method::Icp] {
+    for method in [Method::Dvo, Method::Visual, Method::VisualIcp, Method::RgbdIcp, Method::Icp] {
         let found = scanned(&walk, &options(method), |_, frame| Ok(frame)).unwrap();
         let report = &found.report;
         assert_eq!(report.counts.skipped, 0, "{method:?}: {:?}", report.reasons());
@@ -59,22 +59,26 @@ fn every_method_follows_a_camera_before_texture_and_structure() {
 #[test]
 fn features_follow_where_surfaces_cannot_and_surfaces_where_features_cannot() {
     let flat = walk(BuiltinScene::TexturedFlat, NoiseKind::None);
-    let found = scanned(&flat, &options(Method::Visual), |_, frame| Ok(frame)).unwrap();
-    assert_eq!(found.report.counts.skipped, 0, "{:?}", found.report.reasons());
-    let off = found.report.against_truth.unwrap().ate_mm.rmse;
-    assert!(off < 10.0, "{off} mm");
+    for method in [Method::Visual, Method::RgbdIcp] {
+        let found = scanned(&flat, &options(method), |_, frame| Ok(frame)).unwrap();
+        assert_eq!(found.report.counts.skipped, 0, "{method:?}: {:?}", found.report.reasons());
+        let off = found.report.against_truth.unwrap().ate_mm.rmse;
+        assert!(off < 10.0, "{method:?}: {off} mm");
+    }
     let failed = scanned(&flat, &options(Method::Icp), |_, frame| Ok(frame)).unwrap();
     assert_eq!(failed.report.verdict, Verdict::Failed);
     assert!(failed.report.reasons()[0].0.contains("degenerate"), "{:?}", failed.report.reasons());
     let plain = walk(BuiltinScene::PlainStructured, NoiseKind::None);
-    let found = scanned(&plain, &options(Method::Icp), |_, frame| Ok(frame)).unwrap();
-    assert_eq!(found.report.counts.skipped, 0, "{:?}", found.report.reasons());
+    for method in [Method::Icp, Method::RgbdIcp] {
+        let found = scanned(&plain, &options(method), |_, frame| Ok(frame)).unwrap();
+        assert_eq!(found.report.counts.skipped, 0, "{method:?}: {:?}", found.report.reasons());
+    }
 }
 
 #[test]
 fn a_bare_wall_is_refused_by_every_method() {
     let bare = walk(BuiltinScene::PlainFlat, NoiseKind::Kinect);
-    for method in [Method::Dvo, Method::Visual, Method::VisualIcp, Method::Icp] {
+    for method in [Method::Dvo, Method::Visual, Method::VisualIcp, Method::RgbdIcp, Method::Icp] {
         let found = scanned(&bare, &options(method), |_, frame| Ok(frame)).unwrap();
         assert_eq!(found.report.verdict, Verdict::Failed, "{method:?}");
         assert_eq!(found.report.counts.skipped, 7, "all but the first");
