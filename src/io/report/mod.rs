@@ -30,7 +30,7 @@ pub use odometry_plot::odometry_plot;
 pub use page::{Block, Figure, Image, Page, Picture, Section, Table};
 pub use png::encode_png;
 pub use raster::{Raster, render};
-pub use scan_page::scan_page;
+pub use scan_page::{fusion_page, scan_page};
 pub use scene::{Camera, Path, Scene, Solid};
 pub use svg::{Grid, Series, heat_map, line_chart, log_log_chart, plan_chart, signed_map};
 pub use verify_page::{deviation_map, verify_page, verify_summary, with_cut};

@@ -93,6 +93,7 @@ mod tests {
             key,
             key_from_camera: Pose::identity(),
             information: Matrix6::identity(),
+            overlap: 1.0,
         });
         Placed {
             stamp: number as f64,

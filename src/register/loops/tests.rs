@@ -36,6 +36,7 @@ fn walk(truth: &[Pose], sigma: f64, scene: BuiltinScene) -> (Vec<Step>, Vec<KeyF
             key,
             key_from_camera: truth[key].inverse() * pose * drift(),
             information: known,
+            overlap: 1.0,
         });
         let before = number.checked_sub(1).and_then(|key| steps[key].world_from_camera);
         let world_from_camera = match (before, &link) {

@@ -63,6 +63,8 @@ pub struct Link {
     /// What is known of it: information of a small step, turn [rad] before shift [mm], taken from the
     /// left.
     pub information: Matrix6<f64>,
+    /// The share of what the key frame shows that this one shows too.
+    pub overlap: f64,
 }
 
 /// What part a frame has in a walk.
@@ -131,6 +133,7 @@ impl Tracker {
                 key: anchor.number,
                 key_from_camera: found.previous_from_next,
                 information: found.information,
+                overlap: found.overlap,
             }),
             look: Some(look),
         })

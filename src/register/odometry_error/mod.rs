@@ -103,6 +103,14 @@ pub struct AbsoluteError {
     pub statistics: Statistics,
 }
 
+impl AbsoluteError {
+    /// How far the pose of `stamp` is off; `None` if there is none of it, or no truth [mm].
+    pub fn at(&self, stamp: f64) -> Option<f64> {
+        let i = self.stamps.partition_point(|known| *known < stamp);
+        (self.stamps.get(i) == Some(&stamp)).then(|| self.errors[i])
+    }
+}
+
 /// Compares `estimate` with `truth`.
 pub fn odometry_error(
     estimate: &CameraTrajectory,

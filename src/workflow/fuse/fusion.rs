@@ -1,6 +1,7 @@
 //! A fusion under way: a frame comes, is placed, and is taken in or held against the model.
 
 use super::computing::Computing;
+use super::frames::Sample;
 use super::kept_out::KeptOut;
 use super::{FuseError, FuseJob, Placing, Skipped};
 use crate::geom::{Point3, Pose};
@@ -27,6 +28,8 @@ pub(super) struct Fusion {
     delay: f64,
     pub(super) kept_out: Option<KeptOut>,
     pub(super) fused: Vec<StampedPose>,
+    /// Of each frame that was fused.
+    pub(super) samples: Vec<Sample>,
     pub(super) skipped: Vec<Skipped>,
 }
 
@@ -48,6 +51,7 @@ impl Fusion {
             delay: job.options.pose_delay,
             kept_out: job.options.keep_out.map(|every| KeptOut::new(every, &job.options.volume)),
             fused: Vec::new(),
+            samples: Vec::new(),
             skipped: Vec::new(),
         })
     }
@@ -71,8 +75,8 @@ impl Fusion {
             Ok(readings) => readings,
             Err(problem) => return Ok(Err(problem.to_string())),
         };
-        let world_from_camera = match self.place(&readings, stamp)? {
-            Ok(pose) => pose,
+        let (world_from_camera, overlap) = match self.place(&readings, stamp)? {
+            Ok(placed) => placed,
             Err(reason) => return Ok(Err(reason)),
         };
         if let Some(kept_out) = &mut self.kept_out
@@ -83,6 +87,7 @@ impl Fusion {
         }
         self.model(&readings)?.integrate(&readings, &world_from_camera)?;
         self.fused.push(StampedPose { stamp, world_from_camera });
+        self.samples.push(Sample::new(number, overlap, &readings, &world_from_camera));
         Ok(Ok(()))
     }
 
@@ -100,23 +105,25 @@ impl Fusion {
         Ok(&mut self.model.insert(model).0)
     }
 
-    /// Where a frame was taken; the inner error says why nobody knows.
+    /// Where a frame was taken, and which share of it lies on the model, if that is how it was placed; the
+    /// inner error says why nobody knows.
     fn place(
         &mut self,
         readings: &Readings,
         stamp: f64,
-    ) -> Result<Result<Pose, String>, TsdfError> {
+    ) -> Result<Result<(Pose, Option<f64>), String>, TsdfError> {
         let Some(tracker) = &mut self.tracker else {
             let missing = || format!("no pose within {FARTHEST} s of its stamp, {stamp:.6} s");
-            return Ok(pose_at(&self.along, stamp - self.delay).ok_or_else(missing));
+            let pose = pose_at(&self.along, stamp - self.delay);
+            return Ok(pose.map(|pose| (pose, None)).ok_or_else(missing));
         };
         let Some((model, _)) = &mut self.model else {
             let first = Pose::identity();
             tracker.begin(&first);
-            return Ok(Ok(first));
+            return Ok(Ok((first, None)));
         };
         match tracker.place(model, readings) {
-            Ok(placed) => Ok(Ok(placed.world_from_camera)),
+            Ok(placed) => Ok(Ok((placed.world_from_camera, Some(placed.overlap)))),
             Err(Unplaced::Lost(lost)) => Ok(Err(lost.to_string())),
             Err(Unplaced::Model(error)) => Err(error),
         }
@@ -133,12 +140,15 @@ fn pose_at(along: &CameraTrajectory, stamp: f64) -> Option<Pose> {
     (off <= FARTHEST).then(|| along.at(stamp))?
 }
 
-/// Every fourth reading of every fourth row, in the world.
-pub(super) fn sparse_points(readings: &Readings, world_from_camera: &Pose) -> Vec<Point3> {
-    const STEP: usize = 4;
+/// Every `step`th reading of every `step`th row, in the world.
+pub(super) fn sparse_points(
+    readings: &Readings,
+    step: usize,
+    world_from_camera: &Pose,
+) -> Vec<Point3> {
     let mut points = Vec::new();
-    for y in (0..readings.pixels.height()).step_by(STEP) {
-        for (x, reading) in readings.pixels.row(y).iter().enumerate().step_by(STEP) {
+    for y in (0..readings.pixels.height()).step_by(step) {
+        for (x, reading) in readings.pixels.row(y).iter().enumerate().step_by(step) {
             if reading.depth > 0.0 {
                 let seen = readings.camera.unproject([x as f64, y as f64], reading.depth.into());
                 points.push(world_from_camera * seen);

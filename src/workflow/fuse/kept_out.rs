@@ -9,6 +9,9 @@ use serde::Serialize;
 /// Farther points are of something the surface does not show, as far as the root mean square goes [mm].
 const BESIDE: f64 = 50.0;
 
+/// Every fourth reading of every fourth row is held against it.
+const STEP: usize = 4;
+
 /// Points of frames kept out.
 pub(super) struct KeptOut {
     every: usize,
@@ -44,7 +47,7 @@ impl KeptOut {
 
     pub(super) fn add(&mut self, readings: &Readings, world_from_camera: &Pose) {
         self.n_frames += 1;
-        self.points.extend(sparse_points(readings, world_from_camera));
+        self.points.extend(sparse_points(readings, STEP, world_from_camera));
     }
 
     /// Holds the points against `mesh`, which has triangles.

@@ -1,11 +1,13 @@
 //! From the frames of a depth camera to one surface, and the camera's way.
 
 mod computing;
+mod frames;
 mod fusion;
 mod kept_out;
 mod options;
 mod report;
 
+pub use frames::FusedFrame;
 pub use kept_out::KeptOutReport;
 pub use options::FuseOptions;
 pub use report::{FuseReport, MeshSummary, Skipped};
@@ -119,7 +121,7 @@ where
     for ((frame, &stamp), number) in job.frames.zip(&job.stamps).zip(1..) {
         let taken = match frame {
             Ok(frame) => fusion.take(&frame, stamp, number)?,
-            Err(unreadable) => Err(unreadable.to_string()),
+            Err(unreadable) => Err(unreadable.problem.to_string()),
         };
         if let Err(reason) = taken {
             fusion.skipped.push(Skipped { number, stamp, reason });
@@ -135,7 +137,7 @@ where
         return Err(FuseError::Lost { n_placed, n_frames, first, reason });
     }
     let no_surface = FuseError::NoSurface { n_frames: fusion.fused.len() };
-    let Some((model, compute)) = fusion.model else { return Err(no_surface) };
+    let Some((model, compute)) = fusion.model.take() else { return Err(no_surface) };
     progress.start("draw the surface", 1);
     let (mesh, n_small_pieces) = without_small_pieces(&model.mesh()?, job.options.least_piece());
     progress.advance(1)?;
@@ -143,6 +145,7 @@ where
         return Err(no_surface);
     }
     let kept_out = fusion.kept_out.as_ref().map(|kept_out| kept_out.measured(&mesh));
+    let frames = fusion.frames(&mesh);
     let trajectory = CameraTrajectory::new(fusion.fused)?;
     let mut report = FuseReport {
         n_frames,
@@ -150,6 +153,7 @@ where
         tracked: fusion.tracker.is_some(),
         turntable: None,
         skipped: fusion.skipped,
+        frames,
         voxel: job.options.volume.voxel,
         truncation: job.options.volume.truncation(),
         n_blocks: model.n_blocks(),
@@ -163,7 +167,12 @@ where
     };
     if let Some(truth) = job.truth.filter(|_| report.tracked) {
         match evaluate(&trajectory, truth, &steps_within(&trajectory)) {
-            Ok(found) => report.against_truth = Some(found.report),
+            Ok(found) => {
+                for frame in &mut report.frames {
+                    frame.off = found.error.absolute.at(frame.stamp);
+                }
+                report.against_truth = Some(found.report);
+            }
             Err(error) => report.notes.push(format!("not compared with the truth: {error}")),
         }
     }

@@ -1,6 +1,6 @@
 //! What is told about a fusion.
 
-use super::KeptOutReport;
+use super::{FusedFrame, KeptOutReport};
 use crate::geom::{TriMesh, topology};
 use crate::workflow::cam::ComputeReport;
 use crate::workflow::evaluate::EvaluationReport;
@@ -22,6 +22,8 @@ pub struct FuseReport {
     pub turntable: Option<TurntableReport>,
     /// Those that could not be placed.
     pub skipped: Vec<Skipped>,
+    /// Those that made the surface.
+    pub frames: Vec<FusedFrame>,
     /// Side of a voxel [mm].
     pub voxel: f64,
     /// Truncation [mm].

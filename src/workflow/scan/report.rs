@@ -2,10 +2,10 @@
 
 use super::ScanOptions;
 use crate::geom::Pose;
+use crate::register::Unmatched;
 use crate::register::icp::Verdict;
 use crate::register::loops::{Closed, Loop, LoopOutcome};
 use crate::register::odometry::{FrameRole, Placed};
-use crate::register::{AbsoluteError, Unmatched};
 use crate::rgbd::CameraTrajectory;
 use crate::workflow::evaluate::{EvaluationReport, evaluate, steps_within};
 use serde::Serialize;
@@ -157,6 +157,8 @@ pub struct FrameReport {
     pub role: FrameRole,
     /// What speaks against it.
     pub reasons: Vec<String>,
+    /// The share of what its key frame shows that it shows too; of those placed against one.
+    pub overlap: Option<f64>,
     /// How far it is off the truth, the whole way laid over the true one; if that is known [mm].
     pub off: Option<f64>,
 }
@@ -173,6 +175,7 @@ impl FrameReport {
                 FrameRole::Skipped
             },
             reasons: placed.reasons.iter().map(ToString::to_string).collect(),
+            overlap: placed.link.map(|link| link.overlap),
             off: None,
         }
     }
@@ -239,7 +242,9 @@ impl ScanReport {
         let options = steps_within(trajectory);
         match evaluate(trajectory, truth, &options) {
             Ok(found) => {
-                self.tell_frames(&found.error.absolute);
+                for frame in &mut self.frames {
+                    frame.off = found.error.absolute.at(frame.stamp);
+                }
                 self.against_truth = Some(found.report);
             }
             Err(Unmatched::MaxDifference(_)) => {}
@@ -248,15 +253,6 @@ impl ScanReport {
         if self.loops.as_ref().is_some_and(|loops| loops.n_closed > 0) {
             let before = evaluate(before, truth, &options).ok();
             self.ate_before_loops_mm = before.map(|found| found.report.ate_mm.rmse);
-        }
-    }
-
-    /// Tells every frame how far it is off; stamps of both rise.
-    fn tell_frames(&mut self, absolute: &AbsoluteError) {
-        let mut known = absolute.stamps.iter().zip(&absolute.errors).peekable();
-        for frame in &mut self.frames {
-            while known.next_if(|(stamp, _)| **stamp < frame.stamp).is_some() {}
-            frame.off = known.next_if(|(stamp, _)| **stamp == frame.stamp).map(|(_, off)| *off);
         }
     }
 

@@ -30,7 +30,7 @@ closed.
 For example:
   horma scan walk -o part.ply
   horma scan walk -o part.ply --trajectory went.txt --report scan.html
-  horma scan walk --method kinfu --voxel 5 -o part.stl
+  horma scan walk --method kinfu --voxel 5 -o part.stl --report scan.html
   horma scan views --method kinfu --turntable calibrate --voxel 2 -o part.stl
   horma scan rgbd_dataset_freiburg1_rpy --camera freiburg1 --method visual-icp --voxel 8 -o desk.ply"
 )]
@@ -44,7 +44,7 @@ pub(crate) struct ScanArgs {
     /// Write where the camera went, in the format of the TUM benchmark.
     #[arg(long, value_name = "FILE")]
     pub(super) trajectory: Option<PathBuf>,
-    /// Write a page with the way of the camera and what was skipped.
+    /// Write a page with what was seen, the way of the camera and what was skipped.
     #[arg(long, value_name = "FILE")]
     pub(super) report: Option<PathBuf>,
     /// The camera: kinect, freiburg1, or a camera.toml [default: the folder's camera.toml].

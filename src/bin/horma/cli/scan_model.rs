@@ -3,18 +3,15 @@
 use super::Shell;
 use super::fuse::{self, FuseArgs};
 use super::scan::ScanArgs;
-use anyhow::bail;
 use horma::workflow::fuse::FuseOptions;
 
 /// Fuses as `horma fuse` does, with what a scan sets.
 pub(super) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
-    if args.report.is_some() {
-        bail!("--method kinfu makes no page; leave --report out, --json tells all of it");
-    }
     let fusing = FuseArgs {
         input: args.input.clone(),
         output: args.output.clone(),
         trajectory: args.trajectory.clone(),
+        report: args.report.clone(),
         truth_poses: false,
         poses: None,
         turntable: args.turntable.clone(),

@@ -1,20 +1,24 @@
 //! `horma fuse`: the frames of a depth camera made one surface.
 
+mod summary;
+
 use super::Shell;
 use super::table::listed;
 use super::turntable::TurntableArgs;
 use anyhow::{Context, bail};
 use clap::Args;
 use horma::geom::{Surface, TriMesh};
+use horma::io::report::{fusion_page, html};
 use horma::io::rgbd::{
     Sequence, open_sequence, read_camera, read_trajectory, trajectory_text, turntable_text,
 };
 use horma::io::{OutputSet, Overwrite};
 use horma::progress::Progress;
 use horma::register::turntable::{Calibration, Turntable};
-use horma::workflow::fuse::{FuseJob, FuseOptions, FuseReport, Fused, Placing, fuse};
+use horma::workflow::fuse::{FuseJob, FuseOptions, Fused, Placing, fuse};
 use horma::workflow::turntable::turntable_report;
 use std::path::{Path, PathBuf};
+use summary::summary;
 
 /// Fuse the frames of a depth camera into one surface.
 ///
@@ -29,7 +33,7 @@ out and told; if more than half cannot, nothing is written.
 
 For example:
   horma fuse scan --truth-poses --voxel 2 -o part.stl
-  horma fuse desk --camera freiburg1 --voxel 10 -o desk.ply --trajectory desk.txt
+  horma fuse desk --camera freiburg1 --voxel 10 -o desk.ply --trajectory desk.txt --report desk.html
   horma fuse scan --turntable calibrate --write-turntable table.toml --voxel 2 -o part.stl
   horma fuse next --turntable table.toml --voxel 2 -o next.stl
   horma fuse desk --poses poses.txt --keep-out 5 -o desk.ply --json"
@@ -43,6 +47,9 @@ pub(crate) struct FuseArgs {
     /// Write where the frames that made the surface were taken, in the TUM format.
     #[arg(long, value_name = "FILE")]
     pub(super) trajectory: Option<PathBuf>,
+    /// Write a page with the surface, the way of the camera and what was left out.
+    #[arg(long, value_name = "FILE")]
+    pub(super) report: Option<PathBuf>,
     /// Place frames by the folder's own trajectory (groundtruth.txt or poses.txt): turntables have it.
     #[arg(long, conflicts_with = "poses")]
     pub(super) truth_poses: bool,
@@ -130,6 +137,7 @@ impl FuseArgs {
 
     fn paths(&self) -> impl Iterator<Item = &Path> {
         let others = self.trajectory.iter().chain(&self.turntable.write_turntable);
+        let others = others.chain(&self.report);
         std::iter::once(&self.output).chain(others).map(PathBuf::as_path)
     }
 
@@ -154,84 +162,14 @@ impl FuseArgs {
             let text = turntable_text(turntable);
             files.add(path, |out| out.write_all(text.as_bytes()))?;
         }
+        if let Some(path) = &self.report {
+            let page = html(&fusion_page(&self.input.display().to_string(), done)?);
+            files.add(path, |out| out.write_all(page.as_bytes()))?;
+        }
         Ok(files)
     }
 
     fn overwrite(&self) -> Overwrite {
         if self.force { Overwrite::Replace } else { Overwrite::Refuse }
     }
-}
-
-/// Skipped frames that are told one by one.
-const MOST_TOLD: usize = 5;
-
-/// A fusion in words.
-fn summary(report: &FuseReport) -> String {
-    let line = |head: &str, text: String| format!("{head:<10}{text}");
-    let placed = if report.tracked { "placed by tracking" } else { "placed as given" };
-    let mut lines =
-        vec![line("frames", format!("{} of {} fused, {placed}", report.n_fused, report.n_frames))];
-    if let Some(table) = &report.turntable {
-        let [x, y, z] = table.axis;
-        let [u, v, w] = table.through;
-        lines.push(line(
-            "turntable",
-            format!(
-                "{:.3} deg a step about ({x:.4}, {y:.4}, {z:.4}) through {u:.1} {v:.1} {w:.1} mm",
-                table.step_deg
-            ),
-        ));
-        lines.extend(table.reasons.iter().map(|reason| line("doubtful", reason.clone())));
-    }
-    for skipped in report.skipped.iter().take(MOST_TOLD) {
-        lines.push(line("skipped", format!("frame {}: {}", skipped.number, skipped.reason)));
-    }
-    if report.skipped.len() > MOST_TOLD {
-        lines.push(line("", format!("and {} more", report.skipped.len() - MOST_TOLD)));
-    }
-    lines.push(line(
-        "model",
-        format!(
-            "voxel {} mm, truncation {} mm, {} blocks, {:.0} MB",
-            report.voxel, report.truncation, report.n_blocks, report.memory_mb
-        ),
-    ));
-    let why = report.compute.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
-    lines.push(line("", format!("computed on {}{why}", report.compute.on)));
-    let mesh = &report.mesh;
-    let [x, y, z] = mesh.size;
-    lines.push(line(
-        "surface",
-        format!("{} triangles, {x:.1} x {y:.1} x {z:.1} mm", mesh.n_triangles),
-    ));
-    lines.push(match (mesh.is_closed, mesh.volume) {
-        (true, Some(volume)) => line("", format!("closed, {:.1} cm3", volume / 1000.0)),
-        (true, None) => line("", "closed".to_owned()),
-        (false, _) => line("", format!("open: {} edges on its borders", mesh.n_open_edges)),
-    });
-    if mesh.n_pieces > 1 {
-        lines.push(line("", format!("in {} pieces", mesh.n_pieces)));
-    }
-    if report.n_small_pieces > 0 {
-        lines.push(line("", format!("{} smaller pieces dropped", report.n_small_pieces)));
-    }
-    if let Some(off) = &report.kept_out {
-        lines.push(line(
-            "kept out",
-            format!(
-                "{} frames: {:.2} mm off in the median, {:.2} mm rms within 50 mm, {:.0} % within a voxel",
-                off.n_frames,
-                off.median,
-                off.rmse_within_50,
-                100.0 * off.share_within_voxel
-            ),
-        ));
-    }
-    if let Some(truth) = &report.against_truth {
-        let n = truth.n_poses - truth.n_unmatched;
-        let ate = truth.ate_mm.rmse;
-        lines.push(line("truth", format!("{ate:.2} mm off (ATE, root mean square of {n})")));
-    }
-    lines.extend(report.notes.iter().map(|note| line("note", note.clone())));
-    lines.join("\n")
 }

@@ -1,0 +1,77 @@
+//! A fusion in words.
+
+use horma::workflow::fuse::FuseReport;
+
+/// Skipped frames that are told one by one.
+const MOST_TOLD: usize = 5;
+
+/// A fusion in words.
+pub(super) fn summary(report: &FuseReport) -> String {
+    let line = |head: &str, text: String| format!("{head:<10}{text}");
+    let placed = if report.tracked { "placed by tracking" } else { "placed as given" };
+    let mut lines =
+        vec![line("frames", format!("{} of {} fused, {placed}", report.n_fused, report.n_frames))];
+    if let Some(table) = &report.turntable {
+        let [x, y, z] = table.axis;
+        let [u, v, w] = table.through;
+        lines.push(line(
+            "turntable",
+            format!(
+                "{:.3} deg a step about ({x:.4}, {y:.4}, {z:.4}) through {u:.1} {v:.1} {w:.1} mm",
+                table.step_deg
+            ),
+        ));
+        lines.extend(table.reasons.iter().map(|reason| line("doubtful", reason.clone())));
+    }
+    for skipped in report.skipped.iter().take(MOST_TOLD) {
+        lines.push(line("skipped", format!("frame {}: {}", skipped.number, skipped.reason)));
+    }
+    if report.skipped.len() > MOST_TOLD {
+        lines.push(line("", format!("and {} more", report.skipped.len() - MOST_TOLD)));
+    }
+    lines.push(line(
+        "model",
+        format!(
+            "voxel {} mm, truncation {} mm, {} blocks, {:.0} MB",
+            report.voxel, report.truncation, report.n_blocks, report.memory_mb
+        ),
+    ));
+    let why = report.compute.why.as_ref().map_or(String::new(), |why| format!(" ({why})"));
+    lines.push(line("", format!("computed on {}{why}", report.compute.on)));
+    let mesh = &report.mesh;
+    let [x, y, z] = mesh.size;
+    lines.push(line(
+        "surface",
+        format!("{} triangles, {x:.1} x {y:.1} x {z:.1} mm", mesh.n_triangles),
+    ));
+    lines.push(match (mesh.is_closed, mesh.volume) {
+        (true, Some(volume)) => line("", format!("closed, {:.1} cm3", volume / 1000.0)),
+        (true, None) => line("", "closed".to_owned()),
+        (false, _) => line("", format!("open: {} edges on its borders", mesh.n_open_edges)),
+    });
+    if mesh.n_pieces > 1 {
+        lines.push(line("", format!("in {} pieces", mesh.n_pieces)));
+    }
+    if report.n_small_pieces > 0 {
+        lines.push(line("", format!("{} smaller pieces dropped", report.n_small_pieces)));
+    }
+    if let Some(off) = &report.kept_out {
+        lines.push(line(
+            "kept out",
+            format!(
+                "{} frames: {:.2} mm off in the median, {:.2} mm rms within 50 mm, {:.0} % within a voxel",
+                off.n_frames,
+                off.median,
+                off.rmse_within_50,
+                100.0 * off.share_within_voxel
+            ),
+        ));
+    }
+    if let Some(truth) = &report.against_truth {
+        let n = truth.n_poses - truth.n_unmatched;
+        let ate = truth.ate_mm.rmse;
+        lines.push(line("truth", format!("{ate:.2} mm off (ATE, root mean square of {n})")));
+    }
+    lines.extend(report.notes.iter().map(|note| line("note", note.clone())));
+    lines.join("\n")
+}
