@@ -8,6 +8,7 @@ pub mod reduce;
 pub mod register;
 pub mod scan;
 pub mod simulate_scan;
+pub mod turns;
 pub mod turntable;
 pub mod verify;
 pub mod views;

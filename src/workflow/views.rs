@@ -166,7 +166,7 @@ impl PairReport {
 }
 
 /// What was said of the best pair of a view that is left out.
-fn why_out(aligned: &ViewsAligned, view: usize) -> Vec<String> {
+pub(super) fn why_out(aligned: &ViewsAligned, view: usize) -> Vec<String> {
     let with = aligned.pairs.iter().filter(|pair| pair.source == view || pair.target == view);
     let best = with.max_by(|a, b| a.fit.total_cmp(&b.fit));
     match best.map(|pair| &pair.outcome) {

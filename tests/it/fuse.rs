@@ -9,16 +9,16 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 /// A simulated turntable scan of the demo's last in a folder of its own, few views by a small camera.
-struct Bench {
+pub(crate) struct Bench {
     folder: tempfile::TempDir,
-    scan: String,
+    pub(crate) scan: String,
 }
 
 const CAMERA: &str = "width = 160\nheight = 120\nfx = 200.0\nfy = 200.0\ncx = 79.5\ncy = 59.5\n\
                       depth-scale = 5000\n";
 
 impl Bench {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
         std::fs::write(path("camera.toml"), CAMERA).unwrap();
@@ -30,16 +30,16 @@ impl Bench {
         Self { folder, scan }
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn name(&self, name: &str) -> String {
+    pub(crate) fn name(&self, name: &str) -> String {
         self.path(name).to_str().unwrap().to_owned()
     }
 }
 
-fn done(arguments: &[&str]) -> Output {
+pub(crate) fn done(arguments: &[&str]) -> Output {
     let output = horma(arguments);
     assert!(output.status.success(), "{}", stderr(&output));
     output
@@ -49,7 +49,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-fn refused(arguments: &[&str], code: i32, message: &str) {
+pub(crate) fn refused(arguments: &[&str], code: i32, message: &str) {
     let output = horma(arguments);
     assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
     assert!(stderr(&output).contains(message), "{}", stderr(&output));

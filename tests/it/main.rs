@@ -51,5 +51,6 @@ mod small_machines;
 mod source;
 mod stock;
 mod textbook;
+mod turns;
 mod verify;
 mod verify_tables;

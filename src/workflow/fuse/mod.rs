@@ -112,11 +112,11 @@ pub enum FuseError {
 /// A frame that cannot be read is left out like one that cannot be placed.
 pub fn fuse<F>(job: FuseJob<'_, F>, progress: &dyn Progress) -> Result<Fused, FuseError>
 where
-    F: ExactSizeIterator<Item = Result<RgbdFrame, SequenceError>>,
+    F: Iterator<Item = Result<RgbdFrame, SequenceError>>,
 {
     job.options.check(&job.placing)?;
     let mut fusion = Fusion::new(&job)?;
-    let n_frames = job.frames.len();
+    let n_frames = job.stamps.len();
     progress.start("fuse", n_frames as u64);
     for ((frame, &stamp), number) in job.frames.zip(&job.stamps).zip(1..) {
         let taken = match frame {
@@ -152,6 +152,7 @@ where
         n_fused: trajectory.poses().len(),
         tracked: fusion.tracker.is_some(),
         turntable: None,
+        turns: Vec::new(),
         skipped: fusion.skipped,
         frames,
         voxel: job.options.volume.voxel,

@@ -4,6 +4,7 @@ use super::{FusedFrame, KeptOutReport};
 use crate::geom::{TriMesh, topology};
 use crate::workflow::cam::ComputeReport;
 use crate::workflow::evaluate::EvaluationReport;
+use crate::workflow::turns::TurnReport;
 use crate::workflow::turntable::TurntableReport;
 use serde::Serialize;
 
@@ -20,6 +21,9 @@ pub struct FuseReport {
     /// The turntable that the part stood on, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable: Option<TurntableReport>,
+    /// The turns of the part, if it was turned several times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turns: Vec<TurnReport>,
     /// Those that could not be placed.
     pub skipped: Vec<Skipped>,
     /// Those that made the surface.
@@ -52,7 +56,7 @@ pub struct FuseReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Skipped {
-    /// Counted from 1.
+    /// Counted from 1, through all turns in the surface if there are several.
     pub number: usize,
     /// When it was taken [s].
     pub stamp: f64,

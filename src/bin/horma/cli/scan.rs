@@ -32,11 +32,13 @@ For example:
   horma scan walk -o part.ply --trajectory went.txt --report scan.html
   horma scan walk --method kinfu --voxel 5 -o part.stl --report scan.html
   horma scan views --method kinfu --turntable calibrate --voxel 2 -o part.stl
+  horma scan standing lying --method kinfu --turntable calibrate --voxel 2 -o part.stl
   horma scan rgbd_dataset_freiburg1_rpy --camera freiburg1 --method visual-icp --voxel 8 -o desk.ply"
 )]
 pub(crate) struct ScanArgs {
-    /// The folder with the frames.
-    pub(super) input: PathBuf,
+    /// The folder with the frames; with --turntable a folder for each turn of the part.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
     /// Where the cloud goes: .ply, .obj, .glb, .xyz or .csv; with --method kinfu the mesh: .stl, .ply,
     /// .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
@@ -67,12 +69,19 @@ pub(crate) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
     if args.turntable.is_asked() {
         bail!("on a turntable frames are fused into a model: give --method kinfu too");
     }
+    let [input] = &args.inputs[..] else {
+        bail!(
+            "{} folders are given; a camera is followed through one. Scans in no order are laid on each other by \
+             horma register, turns of a part fused with --method kinfu --turntable",
+            args.inputs.len()
+        );
+    };
     args.options.check()?;
     args.try_outputs()?;
     let camera = args.camera.as_deref().map(read_camera).transpose()?;
-    let sequence = open_sequence(&args.input, camera)?;
+    let sequence = open_sequence(input, camera)?;
     let job = ScanJob {
-        name: args.input.display().to_string(),
+        name: input.display().to_string(),
         camera: sequence.camera.camera,
         stamps: sequence.files.iter().map(|files| files.stamp).collect(),
         truth: sequence.truth.as_ref(),
@@ -81,7 +90,7 @@ pub(crate) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
     };
     let bar = shell.progress();
     let scanned = scan(|| sequence.frames(), &job, &bar)
-        .with_context(|| format!("while scanning {}", args.input.display()))?;
+        .with_context(|| format!("while scanning {}", input.display()))?;
     let is_good = scanned.report.verdict != Verdict::Failed;
     let written = if is_good {
         let files = args.outputs(&scanned)?;
@@ -105,7 +114,7 @@ pub(crate) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
         let why = reasons.first().map_or("", |(reason, _)| reason);
         bail!(
             "{}: {} of {of} frames could not be placed, most often because {why}; nothing was written",
-            args.input.display(),
+            input.display(),
             counts.skipped
         );
     }

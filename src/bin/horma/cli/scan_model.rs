@@ -8,7 +8,7 @@ use horma::workflow::fuse::FuseOptions;
 /// Fuses as `horma fuse` does, with what a scan sets.
 pub(super) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
     let fusing = FuseArgs {
-        input: args.input.clone(),
+        inputs: args.inputs.clone(),
         output: args.output.clone(),
         trajectory: args.trajectory.clone(),
         report: args.report.clone(),

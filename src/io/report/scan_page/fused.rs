@@ -1,9 +1,10 @@
 //! The page of a fusion: a mesh.
 
-use super::super::{Figure, Page};
-use super::shown::{Curve, Seen, Shown, figure};
+use super::super::{Figure, Page, Section};
+use super::shown::{Curve, Seen, Shown, figure, listed, section};
 use crate::geom::{Point3, Vector3};
 use crate::workflow::fuse::{FuseReport, Fused, FusedFrame};
+use crate::workflow::turns::TurnReport;
 
 /// The page of the fusion of the frames called `name`.
 pub fn fusion_page(name: &str, fused: &Fused) -> std::io::Result<Page> {
@@ -26,12 +27,12 @@ pub fn fusion_page(name: &str, fused: &Fused) -> std::io::Result<Page> {
             points: mesh.points.clone(),
             mesh,
         },
-        ways: vec![way],
+        ways: ways(report, &way),
         loops: Vec::new(),
         curves: curves(report),
         counts: counts(report),
         odd: odd(report),
-        sections: Vec::new(),
+        sections: turns(report).into_iter().collect(),
         facts: facts(report),
         notes: report.notes.clone(),
     }
@@ -45,7 +46,42 @@ fn warnings(report: &FuseReport) -> Vec<String> {
     });
     let table = report.turntable.iter().flat_map(|table| &table.reasons);
     let table = table.map(|reason| format!("The turntable is doubtful: {reason}."));
-    skipped.into_iter().chain(table).collect()
+    let left_out = report.turns.iter().filter(|turn| !turn.is_in());
+    let left_out =
+        left_out.map(|turn| format!("{} is left out: {}.", turn.name, turn.reasons.join("; ")));
+    left_out.chain(skipped).chain(table).collect()
+}
+
+/// The way of the camera, turn by turn.
+fn ways(report: &FuseReport, way: &[Point3]) -> Vec<Vec<Point3>> {
+    let mut ends = Vec::new();
+    for turn in report.turns.iter().filter(|turn| turn.is_in()) {
+        ends.push(ends.last().copied().unwrap_or(0) + turn.n_frames);
+    }
+    let turn_of = |frame: &FusedFrame| ends.partition_point(|end| *end < frame.number);
+    let frames: Vec<(&FusedFrame, &Point3)> = report.frames.iter().zip(way).collect();
+    let turns = frames.chunk_by(|(a, _), (b, _)| turn_of(a) == turn_of(b));
+    turns.map(|turn| turn.iter().map(|(_, place)| **place).collect()).collect()
+}
+
+fn turns(report: &FuseReport) -> Option<Section> {
+    let row = |turn: &TurnReport| {
+        let table = turn.turntable.as_ref();
+        let fit = turn.lies_on_others.map(|fit| format!("{:.0}", 100.0 * fit));
+        let doubts = table.iter().flat_map(|table| &table.reasons);
+        let told: Vec<String> = turn.reasons.iter().chain(doubts).cloned().collect();
+        vec![
+            turn.name.clone(),
+            turn.n_frames.to_string(),
+            table.map_or_else(String::new, |table| format!("{:.3}", table.step_deg)),
+            fit.unwrap_or_default(),
+            if turn.is_in() { "fused" } else { "left out" }.to_owned(),
+            told.join("; "),
+        ]
+    };
+    let columns = ["Turn", "Frames", "Step [deg]", "Lies on another turn [%]", "Became", "Because"];
+    let rows: Vec<Vec<String>> = report.turns.iter().map(row).collect();
+    (!rows.is_empty()).then(|| section("Turns", listed(&columns, rows)))
 }
 
 fn figures(report: &FuseReport, way: &[Point3]) -> Vec<Figure> {
@@ -57,6 +93,11 @@ fn figures(report: &FuseReport, way: &[Point3]) -> Vec<Figure> {
     if report.tracked {
         let steps = way.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         figures.push(figure("Way of the camera", format!("{:.0}", steps.sum::<f64>()), "mm"));
+    }
+    if !report.turns.is_empty() {
+        let n_in = report.turns.iter().filter(|turn| turn.is_in()).count();
+        let of = format!("of {}", report.turns.len());
+        figures.push(figure("Turns fused", n_in.to_string(), &of));
     }
     if let Some(table) = &report.turntable {
         figures.push(figure("Turn from view to view", format!("{:.3}", table.step_deg), "deg"));

@@ -1,6 +1,7 @@
 //! `horma fuse`: the frames of a depth camera made one surface.
 
 mod summary;
+mod turns;
 
 use super::Shell;
 use super::table::listed;
@@ -31,16 +32,23 @@ depth/NAME.png and, where there is colour, color/NAME.png; a camera.toml in it d
 Without poses the surface is in the frame of the first camera. A frame that cannot be placed is left
 out and told; if more than half cannot, nothing is written.
 
+A part on a turntable shows its underside only in another turn: turn it standing, lay it down, turn it
+again, and give both folders, or one folder that holds both with --turns 2. Each turn is calibrated by
+itself and laid on the others; one that cannot be is left out and told. What turns along with the part
+counts as part: let --max-depth end before the table, or scan a part that stands on a thin foot.
+
 For example:
   horma fuse scan --truth-poses --voxel 2 -o part.stl
   horma fuse desk --camera freiburg1 --voxel 10 -o desk.ply --trajectory desk.txt --report desk.html
   horma fuse scan --turntable calibrate --write-turntable table.toml --voxel 2 -o part.stl
   horma fuse next --turntable table.toml --voxel 2 -o next.stl
+  horma fuse standing lying --turntable calibrate --voxel 2 -o part.stl --report part.html
   horma fuse desk --poses poses.txt --keep-out 5 -o desk.ply --json"
 )]
 pub(crate) struct FuseArgs {
-    /// The folder with the frames.
-    pub(super) input: PathBuf,
+    /// The folder with the frames; with --turntable a folder for each turn of the part.
+    #[arg(required = true, value_name = "INPUT")]
+    pub(super) inputs: Vec<PathBuf>,
     /// Where the surface goes, in millimetres: .stl, .ply, .obj or .glb; all but .stl keep colours.
     #[arg(long, short, value_name = "FILE")]
     pub(super) output: PathBuf,
@@ -72,21 +80,23 @@ pub(crate) struct FuseArgs {
 pub(crate) fn run(args: &FuseArgs, shell: &Shell) -> anyhow::Result<()> {
     args.try_outputs()?;
     let camera = args.camera.as_deref().map(read_camera).transpose()?;
-    let sequence = open_sequence(&args.input, camera)?;
+    let mut turns = Vec::new();
+    for input in &args.inputs {
+        let sequence = open_sequence(input, camera)?;
+        let name = input.display().to_string();
+        let within = args.turntable.turns_of(&sequence).with_context(|| name.clone())?;
+        let named = |(turn, number): (Sequence, usize)| match args.turntable.turns {
+            1 => (name.clone(), turn),
+            _ => (format!("{name}, turn {number}"), turn),
+        };
+        turns.extend(within.into_iter().zip(1..).map(named));
+    }
     let bar = shell.progress();
-    let context = || format!("while fusing {}", args.input.display());
-    let (placing, turntable) = args.placing(&sequence, &bar).with_context(context)?;
-    let job = FuseJob {
-        frames: sequence.frames(),
-        stamps: stamps(&sequence),
-        camera: sequence.camera.camera,
-        placing,
-        truth: sequence.truth.as_ref(),
-        notes: sequence.notes.clone(),
-        options: &args.options,
-    };
-    let mut done = fuse(job, &bar).with_context(context)?;
-    done.report.turntable = turntable.as_ref().map(turntable_report);
+    let (done, turntable) = match &turns[..] {
+        [(_, only)] => args.fused(only, &bar),
+        several => turns::fused(args, several, &bar).map(|done| (done, None)),
+    }
+    .with_context(|| format!("while fusing {}", args.name()))?;
     let files = args.outputs(&done, turntable.as_ref().map(|found| &found.turntable))?;
     bar.stop_if_asked()?;
     files.commit()?;
@@ -102,18 +112,41 @@ fn stamps(sequence: &Sequence) -> Vec<f64> {
 }
 
 impl FuseArgs {
+    /// The surface of one sequence, and the turntable, if there is one.
+    fn fused(
+        &self,
+        sequence: &Sequence,
+        progress: &dyn Progress,
+    ) -> anyhow::Result<(Fused, Option<Calibration>)> {
+        let (placing, turntable) = self.placing(sequence, progress)?;
+        let job = FuseJob {
+            frames: sequence.frames(),
+            stamps: stamps(sequence),
+            camera: sequence.camera.camera,
+            placing,
+            truth: sequence.truth.as_ref(),
+            notes: sequence.notes.clone(),
+            options: &self.options,
+        };
+        let mut done = fuse(job, progress)?;
+        done.report.turntable = turntable.as_ref().map(turntable_report);
+        Ok((done, turntable))
+    }
+
+    /// What is fused, in words.
+    fn name(&self) -> String {
+        let names: Vec<String> =
+            self.inputs.iter().map(|input| input.display().to_string()).collect();
+        names.join(" and ")
+    }
+
     /// How frames are placed, and the turntable, if there is one.
     fn placing(
         &self,
         sequence: &Sequence,
         progress: &dyn Progress,
     ) -> anyhow::Result<(Placing, Option<Calibration>)> {
-        if self.turntable.is_asked() && (self.truth_poses || self.poses.is_some()) {
-            bail!("--turntable says where frames were taken: leave --poses and --truth-poses out");
-        }
-        if self.turntable.is_asked() && self.options.pose_delay != 0.0 {
-            bail!("--pose-delay is for the stamps of --poses and --truth-poses: leave it out");
-        }
+        self.refuse_two_places()?;
         if let Some(path) = &self.poses {
             return Ok((Placing::Along(read_trajectory(path)?), None));
         }
@@ -129,10 +162,21 @@ impl FuseArgs {
             format!(
                 "{} has no groundtruth.txt or poses.txt; give a trajectory with --poses, or leave \
                  --truth-poses out",
-                self.input.display()
+                self.name()
             )
         })?;
         Ok((Placing::Along(truth), None))
+    }
+
+    /// A turntable says where frames were taken, and so do poses.
+    fn refuse_two_places(&self) -> anyhow::Result<()> {
+        if self.turntable.is_asked() && (self.truth_poses || self.poses.is_some()) {
+            bail!("--turntable says where frames were taken: leave --poses and --truth-poses out");
+        }
+        if self.turntable.is_asked() && self.options.pose_delay != 0.0 {
+            bail!("--pose-delay is for the stamps of --poses and --truth-poses: leave it out");
+        }
+        Ok(())
     }
 
     fn paths(&self) -> impl Iterator<Item = &Path> {
@@ -163,7 +207,7 @@ impl FuseArgs {
             files.add(path, |out| out.write_all(text.as_bytes()))?;
         }
         if let Some(path) = &self.report {
-            let page = html(&fusion_page(&self.input.display().to_string(), done)?);
+            let page = html(&fusion_page(&self.name(), done)?);
             files.add(path, |out| out.write_all(page.as_bytes()))?;
         }
         Ok(files)

@@ -1,6 +1,7 @@
 //! A fusion in words.
 
 use horma::workflow::fuse::FuseReport;
+use horma::workflow::turns::TurnReport;
 
 /// Skipped frames that are told one by one.
 const MOST_TOLD: usize = 5;
@@ -22,6 +23,9 @@ pub(super) fn summary(report: &FuseReport) -> String {
             ),
         ));
         lines.extend(table.reasons.iter().map(|reason| line("doubtful", reason.clone())));
+    }
+    for turn in &report.turns {
+        lines.push(line(if turn.is_in() { "turn" } else { "left out" }, in_words(turn)));
     }
     for skipped in report.skipped.iter().take(MOST_TOLD) {
         lines.push(line("skipped", format!("frame {}: {}", skipped.number, skipped.reason)));
@@ -74,4 +78,19 @@ pub(super) fn summary(report: &FuseReport) -> String {
     }
     lines.extend(report.notes.iter().map(|note| line("note", note.clone())));
     lines.join("\n")
+}
+
+fn in_words(turn: &TurnReport) -> String {
+    let TurnReport { name, n_frames, .. } = turn;
+    if !turn.is_in() {
+        return format!("{name}: {}", turn.reasons.join("; "));
+    }
+    let step = turn.turntable.as_ref().map_or(0.0, |table| table.step_deg);
+    let fit = turn.lies_on_others.map_or_else(String::new, |fit| {
+        format!(", {:.0} % of it lies on another turn", 100.0 * fit)
+    });
+    let mut told = vec![format!("{name}: {n_frames} frames, {step:.3} deg a step{fit}")];
+    let doubts = turn.turntable.iter().flat_map(|table| &table.reasons);
+    told.extend(doubts.map(|doubt| format!("doubtful: {doubt}")));
+    told.join("; ")
 }
