@@ -10,6 +10,7 @@
 mod agreement;
 mod by_dense;
 mod by_icp;
+mod drift;
 mod joint;
 mod look;
 mod motion;
@@ -19,6 +20,7 @@ mod tracker;
 mod visual;
 
 pub use agreement::{Agreement, agreement};
+pub use drift::{Hanging, drift};
 pub use look::Look;
 pub use motion::{Doubt, Motion};
 pub use options::{Method, OdometryError, OdometryOptions};

@@ -10,7 +10,7 @@ pub use report::{FrameReport, LoopReport, LoopResult, LoopsReport, ScanReport, V
 use crate::geom::{Point3, PointCloud, Pose, VoxelError};
 use crate::progress::{Cancelled, Progress};
 use crate::register::loops::{Closed, KeyFrames, Step, close_loops};
-use crate::register::odometry::{Doubt, FrameRole, OdometryError, Placed, Tracker};
+use crate::register::odometry::{Doubt, FrameRole, Hanging, OdometryError, Placed, Tracker, drift};
 use crate::register::pose_graph::GraphError;
 use crate::rgbd::{
     Camera, CameraTrajectory, NormalOptions, OrganisedCloud, RgbdError, RgbdFrame, SequenceError,
@@ -89,6 +89,7 @@ where
     job.options.check()?;
     job.camera.check()?;
     let mut walk = followed(frames(), job, progress)?;
+    walk.tell_drift();
     let closed = walk.close(job, progress)?;
     let mut report = ScanReport::new(job.name.clone(), job.options, walk.told, job.notes.clone());
     let mut poses: Vec<Option<Pose>> =
@@ -112,6 +113,7 @@ where
     report.n_outliers = n_outliers;
     report.n_points = cloud.points.len();
     report.measure(&trajectory);
+    report.doubt_drift(walk.depth.unwrap_or_default());
     if let Some(truth) = job.truth {
         report.hold_against(truth, &trajectory, &before);
     }
@@ -124,6 +126,8 @@ struct Walk {
     steps: Vec<Step>,
     keys: KeyFrames,
     gathered: Option<Gathered>,
+    /// The median depth of the first frame that was placed [mm].
+    depth: Option<f64>,
 }
 
 fn followed(
@@ -134,7 +138,7 @@ fn followed(
     let mut tracker = Tracker::new(job.camera, job.options.odometry.clone())?;
     let gathered = job.options.voxel.map(Gathered::new).transpose()?;
     let keys = KeyFrames::default();
-    let mut walk = Walk { told: Vec::new(), steps: Vec::new(), keys, gathered };
+    let mut walk = Walk { told: Vec::new(), steps: Vec::new(), keys, gathered, depth: None };
     progress.start("scan", job.stamps.len() as u64);
     let mut n_placed = 0;
     for (frame, &stamp) in frames.zip(&job.stamps) {
@@ -154,6 +158,7 @@ fn followed(
 impl Walk {
     fn add(&mut self, placed: &Placed, job: &ScanJob) -> Result<(), ScanError> {
         if let (Some(pose), Some(look)) = (placed.world_from_camera, &placed.look) {
+            self.depth.get_or_insert(look.median_depth);
             let voxel = look.median_depth / ScanOptions::VOXELS_DEEP;
             let gathered = match &mut self.gathered {
                 Some(gathered) => gathered,
@@ -171,6 +176,15 @@ impl Walk {
         let world_from_camera = placed.world_from_camera;
         self.steps.push(Step { world_from_camera, link: placed.link });
         Ok(())
+    }
+
+    /// Tells every frame how far it may be astray.
+    fn tell_drift(&mut self) {
+        let walk: Vec<Hanging> =
+            self.steps.iter().map(|step| (step.world_from_camera, step.link)).collect();
+        for (frame, open) in self.told.iter_mut().zip(drift(&walk)) {
+            frame.open = open;
+        }
     }
 
     /// How far the last frame is off the truth, the first one that was placed lying on it [mm].

@@ -13,6 +13,10 @@ use serde::Serialize;
 /// Below this share of frames placed, the scan as a whole failed.
 const LEAST_PLACED: f64 = 0.5;
 
+/// A walk that no loop holds together may leave this share of the distance to what is seen open; more is
+/// doubtful.
+const LOOSE: f64 = 0.02;
+
 /// What is told about a scan. Lengths in millimetres, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -35,7 +39,10 @@ pub struct ScanReport {
     pub way: f64,
     /// How much it turned on its way, all turns added up [deg].
     pub turned_deg: f64,
-    /// How far that is from the truth, if it is known.
+    /// How far the camera may have gone astray at most, by what all motions leave open: three standard
+    /// deviations, before loops are closed [mm].
+    pub drift: f64,
+    /// How far it is from the truth, if that is known.
     pub against_truth: Option<EvaluationReport>,
     /// The absolute error before loops were closed, root mean square [mm]; if the truth is known and any
     /// were.
@@ -159,6 +166,9 @@ pub struct FrameReport {
     pub reasons: Vec<String>,
     /// The share of what its key frame shows that it shows too; of those placed against one.
     pub overlap: Option<f64>,
+    /// How far its camera may be astray, seen from the first one, by what the motions that lead there leave
+    /// open: three standard deviations, before loops are closed [mm].
+    pub open: Option<f64>,
     /// How far it is off the truth, the whole way laid over the true one; if that is known [mm].
     pub off: Option<f64>,
 }
@@ -176,6 +186,7 @@ impl FrameReport {
             },
             reasons: placed.reasons.iter().map(ToString::to_string).collect(),
             overlap: placed.link.map(|link| link.overlap),
+            open: None,
             off: None,
         }
     }
@@ -215,6 +226,7 @@ impl ScanReport {
             n_outliers: 0,
             way: 0.0,
             turned_deg: 0.0,
+            drift: 0.0,
             against_truth: None,
             ate_before_loops_mm: None,
             loops: None,
@@ -230,6 +242,23 @@ impl ScanReport {
             self.way += step.translation.vector.norm();
             self.turned_deg += step.rotation.angle().to_degrees();
         }
+    }
+
+    /// Adds how far the camera may have gone astray. If that is far for what it sees, `depth` away, and no loop
+    /// closed that would hold it, the scan is doubtful, though no motion was.
+    pub(super) fn doubt_drift(&mut self, depth: f64) {
+        self.drift = self.frames.iter().filter_map(|frame| frame.open).fold(0.0, f64::max);
+        let is_held = self.loops.as_ref().is_some_and(|loops| loops.n_closed > 0);
+        if is_held || self.drift <= LOOSE * depth {
+            return;
+        }
+        self.verdict = self.verdict.max(Verdict::Doubtful);
+        self.notes.push(format!(
+            "the motions add up to a camera that may be {:.0} mm astray, {:.1} % of the distance to what it sees, and \
+             no loop holds it: take another --method, go nearer, or go on until it sees again where it began",
+            self.drift,
+            100.0 * self.drift / depth
+        ));
     }
 
     /// Adds how far the camera is off the truth, and was `before` loops were closed.

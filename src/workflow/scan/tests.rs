@@ -164,3 +164,32 @@ fn numbers_that_mean_nothing_are_refused_by_flag() {
     let error = scanned(&walk, &bad, |_, frame| Ok(frame)).unwrap_err().to_string();
     assert!(error.starts_with("--outlier-neighbours is 0"), "{error}");
 }
+
+#[test]
+fn motions_that_add_up_to_much_are_doubtful_unless_a_loop_holds_them() {
+    let frame = |open: f64| FrameReport {
+        stamp: open,
+        verdict: Verdict::Ok,
+        role: FrameRole::Placed,
+        reasons: Vec::new(),
+        overlap: None,
+        open: Some(open),
+        off: None,
+    };
+    let report = |open: f64| {
+        let frames = vec![frame(0.0), frame(open), frame(open / 2.0)];
+        ScanReport::new("walk".into(), &options(Method::Visual), frames, Vec::new())
+    };
+    let mut little = report(11.0);
+    little.doubt_drift(600.0);
+    assert_eq!((little.verdict, little.drift, little.notes.len()), (Verdict::Ok, 11.0, 0));
+    let mut much = report(21.0);
+    much.doubt_drift(600.0);
+    assert_eq!((much.verdict, much.drift), (Verdict::Doubtful, 21.0));
+    assert!(much.notes[0].contains("may be 21 mm astray, 3.5 %"), "{:?}", much.notes);
+    let mut held = report(21.0);
+    let (n_closed, n_dropped, n_refused, moved) = (1, 0, 0, 3.0);
+    held.loops = Some(LoopsReport { n_closed, n_dropped, n_refused, moved, tried: Vec::new() });
+    held.doubt_drift(600.0);
+    assert_eq!((held.verdict, held.drift), (Verdict::Ok, 21.0));
+}

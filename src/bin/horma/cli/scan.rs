@@ -173,8 +173,8 @@ fn summary(report: &ScanReport) -> String {
     let reasons = report.reasons();
     lines.extend(reasons.iter().map(|(reason, n)| format!("{:<9}{n} x like: {reason}", "")));
     lines.push(format!(
-        "{:<9}went {:.0} mm and turned {:.0} deg",
-        "camera", report.way, report.turned_deg
+        "{:<9}went {:.0} mm and turned {:.0} deg; its motions leave {:.1} mm open",
+        "camera", report.way, report.turned_deg, report.drift
     ));
     lines.extend(report.loops.as_ref().filter(|loops| !loops.tried.is_empty()).map(loops));
     lines.push(format!(

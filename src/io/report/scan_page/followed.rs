@@ -85,6 +85,13 @@ fn curves(report: &ScanReport) -> Vec<Curve> {
             points: over_time(&|frame| frame.off),
         },
         Curve {
+            title: "What is left open",
+            caption: "How far the camera may be astray, seen from the first frame, by what all motions leave open \
+                      that lead there: three standard deviations, before loops are closed.",
+            label: "may be astray [mm]",
+            points: over_time(&|frame| frame.open),
+        },
+        Curve {
             title: "Seen again",
             caption: "How much of what its key frame shows a frame shows too; gaps are frames that were \
                       skipped, and the first.",
