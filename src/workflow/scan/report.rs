@@ -51,6 +51,8 @@ pub struct ScanReport {
     pub loops: Option<LoopsReport>,
     /// Every frame.
     pub frames: Vec<FrameReport>,
+    /// What speaks against the walk as a whole, though frames may be believed one by one.
+    pub doubts: Vec<String>,
     /// What the user must know.
     pub notes: Vec<String>,
 }
@@ -231,6 +233,7 @@ impl ScanReport {
             ate_before_loops_mm: None,
             loops: None,
             frames,
+            doubts: Vec::new(),
             notes,
         }
     }
@@ -253,7 +256,7 @@ impl ScanReport {
             return;
         }
         self.verdict = self.verdict.max(Verdict::Doubtful);
-        self.notes.push(format!(
+        self.doubts.push(format!(
             "the motions add up to a camera that may be {:.0} mm astray, {:.1} % of the distance to what it sees, and \
              no loop holds it: take another --method, go nearer, or go on until it sees again where it began",
             self.drift,

@@ -182,14 +182,14 @@ fn motions_that_add_up_to_much_are_doubtful_unless_a_loop_holds_them() {
     };
     let mut little = report(11.0);
     little.doubt_drift(600.0);
-    assert_eq!((little.verdict, little.drift, little.notes.len()), (Verdict::Ok, 11.0, 0));
+    assert_eq!((little.verdict, little.drift, little.doubts.len()), (Verdict::Ok, 11.0, 0));
     let mut much = report(21.0);
     much.doubt_drift(600.0);
     assert_eq!((much.verdict, much.drift), (Verdict::Doubtful, 21.0));
-    assert!(much.notes[0].contains("may be 21 mm astray, 3.5 %"), "{:?}", much.notes);
+    assert!(much.doubts[0].contains("may be 21 mm astray, 3.5 %"), "{:?}", much.doubts);
     let mut held = report(21.0);
     let (n_closed, n_dropped, n_refused, moved) = (1, 0, 0, 3.0);
     held.loops = Some(LoopsReport { n_closed, n_dropped, n_refused, moved, tried: Vec::new() });
     held.doubt_drift(600.0);
-    assert_eq!((held.verdict, held.drift), (Verdict::Ok, 21.0));
+    assert_eq!((held.verdict, held.drift, held.doubts.len()), (Verdict::Ok, 21.0, 0));
 }

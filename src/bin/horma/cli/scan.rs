@@ -177,6 +177,7 @@ fn summary(report: &ScanReport) -> String {
         "camera", report.way, report.turned_deg, report.drift
     ));
     lines.extend(report.loops.as_ref().filter(|loops| !loops.tried.is_empty()).map(loops));
+    lines.extend(report.doubts.iter().map(|doubt| format!("{:<9}{doubt}", "doubt")));
     lines.push(format!(
         "{:<9}{} points, one for each {:.2} mm; {} outliers left out",
         "cloud", report.n_points, report.voxel, report.n_outliers

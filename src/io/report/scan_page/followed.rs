@@ -22,14 +22,10 @@ pub fn scan_page(scanned: &Scanned) -> std::io::Result<Page> {
     let way = scanned.trajectory.poses().iter();
     let way = way.map(|pose| Point3::from(pose.world_from_camera.translation.vector));
     let tried = report.loops.as_ref().filter(|loops| !loops.tried.is_empty());
-    let warnings = match report.verdict {
-        Verdict::Ok => Vec::new(),
-        verdict => vec![format!("The scan is {verdict}: look at the frames below.")],
-    };
     Shown {
         title: report.name.clone(),
         subtitle: format!("{} points of {} frames", report.n_points, counts.ok + counts.doubtful),
-        warnings,
+        warnings: warnings(report),
         figures: figures(report),
         seen: Seen {
             title: "The cloud",
@@ -51,6 +47,14 @@ pub fn scan_page(scanned: &Scanned) -> std::io::Result<Page> {
         notes: report.notes.clone(),
     }
     .page()
+}
+
+fn warnings(report: &ScanReport) -> Vec<String> {
+    let are_believed = report.counts.doubtful + report.counts.skipped == 0;
+    let frames = (report.verdict != Verdict::Ok && !are_believed)
+        .then(|| format!("The scan is {}: look at the frames below.", report.verdict));
+    let walk = report.doubts.iter().map(|doubt| format!("The walk is doubtful: {doubt}."));
+    frames.into_iter().chain(walk).collect()
 }
 
 fn figures(report: &ScanReport) -> Vec<Figure> {
