@@ -20,7 +20,7 @@ pub(super) struct Laid {
 const FINENESS: f64 = 200.0;
 /// Finer than this share of the model's voxels there is no detail: surfaces would seem far apart for their
 /// points, and the pose weakly held.
-const DETAIL: f64 = 0.5;
+const DETAIL: f64 = 0.65;
 
 /// Lays `turns`, drawn from models with voxels of `voxel`, on each other. The most that lie together are
 /// kept, or, if no two do, the first one alone.

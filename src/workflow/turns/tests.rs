@@ -16,8 +16,8 @@ fn body() -> TriMesh {
 /// What a camera saw of a body on a turntable that turned it about `axis`; and where the camera was at
 /// first.
 fn turn(mesh: &TriMesh, axis: Vector3, elevation: f64, seed: u64) -> (Vec<RgbdFrame>, Pose) {
-    let box_ = mesh.aabb();
-    let center = Point3::from((box_.min.coords + box_.max.coords) / 2.0);
+    let around = mesh.aabb();
+    let center = Point3::from((around.min.coords + around.max.coords) / 2.0);
     let orbit = Orbit { center, axis, distance: 500.0 };
     let truth = CameraTrajectory::new(orbit.turntable(VIEWS, &[elevation])).unwrap();
     let noise = Noise { kind: NoiseKind::Gaussian, sigma: 0.5, seed };

@@ -27,19 +27,19 @@ use summary::summary;
 /// says.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "INPUT is a folder in the format of the TUM RGB-D benchmark (depth.txt, rgb.txt), or one with pictures
-depth/NAME.png and, where there is colour, color/NAME.png; a camera.toml in it describes the camera.
-Without poses the surface is in the frame of the first camera. A frame that cannot be placed is left
-out and told; if more than half cannot, nothing is written.
+    after_help = "INPUT is a folder in the format of the TUM RGB-D benchmark (depth.txt, rgb.txt), or one with
+pictures depth/NAME.png and, where there is colour, color/NAME.png; a camera.toml in it
+describes the camera. Without poses the surface is in the frame of the first camera. A frame
+that cannot be placed is left out and told; if more than half cannot, nothing is written.
 
-A part on a turntable shows its underside only in another turn: turn it standing, lay it down, turn it
-again, and give both folders, or one folder that holds both with --turns 2. Each turn is calibrated by
-itself and laid on the others; one that cannot be is left out and told. What turns along with the part
-counts as part: let --max-depth end before the table, or scan a part that stands on a thin foot.
+A part on a turntable shows its underside only in another turn: turn it standing, lay it down,
+turn it again, and give both folders, or one folder that holds both with --turns 2. Each turn is
+calibrated by itself and laid on the others; one that cannot be is left out and told. What turns
+along with the part counts as part: scan it on a foot that is thin, and cut that off.
 
 For example:
   horma fuse scan --truth-poses --voxel 2 -o part.stl
-  horma fuse desk --camera freiburg1 --voxel 10 -o desk.ply --trajectory desk.txt --report desk.html
+  horma fuse desk --camera freiburg1 --voxel 10 -o desk.ply --report desk.html
   horma fuse scan --turntable calibrate --write-turntable table.toml --voxel 2 -o part.stl
   horma fuse next --turntable table.toml --voxel 2 -o next.stl
   horma fuse standing lying --turntable calibrate --voxel 2 -o part.stl --report part.html
