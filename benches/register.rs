@@ -2,12 +2,12 @@
 //! itself. `HORMA_DATA=... cargo bench --bench register [-- WORDS]`; with words, only pairs and
 //! methods whose names hold one of them. Thinning, normals and alignment are timed, reading is not.
 //! On two threads; the best of three. Then coarse registration: five bunny pairs, the source turned
-//! three ways, once each.
+//! three ways, once each; and frames of a depth camera and a pair of laser scans in the same manner.
 
 use horma::geom::{Point3, PointCloud, Pose};
 use horma::progress::Silent;
 use horma::register::coarse::{self, Coarse, CoarseOptions};
-use horma::register::icp::{Alignment, IcpOptions, Kernel, Metric, align};
+use horma::register::icp::{Alignment, IcpOptions, Kernel, Metric, Verdict, align};
 use rand::{RngExt, SeedableRng};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -56,6 +56,83 @@ fn main() {
         }
     }
     pool.install(|| turned_pairs(&data, &words));
+    pool.install(|| turned_rooms(&data, &words));
+}
+
+/// Frames of a room and two laser scans whose source was turned at random, from nothing, by their
+/// shape alone.
+fn turned_rooms(data: &Path, words: &[String]) {
+    let mut cases = gaps(data);
+    cases.extend(
+        self::cases(&data.join("pairs/icp.csv"))
+            .into_iter()
+            .filter(|case| case.name == "lidar-pair"),
+    );
+    for method in [Coarse::Planes, Coarse::FpfhRansac, Coarse::FpfhGnc, Coarse::Auto] {
+        // Right, near enough for a fine stage to make it right, and wrong; ok and not.
+        let (mut counts, mut slowest, mut sum) = ([[0; 2]; 3], 0.0_f64, 0.0);
+        for case in &cases {
+            let [source, target] = sides(data, &case.name).map(|path| read(&path).points);
+            for seed in 1..=3 {
+                let name = format!("rooms {method:?} {} turn {seed}", case.name);
+                if !words.is_empty() && !words.iter().any(|word| name.contains(word.as_str())) {
+                    continue;
+                }
+                let turn = any_turn(seed);
+                let source = source.iter().map(|point| turn * point).collect();
+                let [source, target] = [source, target.clone()]
+                    .map(|points| PointCloud { points, ..PointCloud::default() });
+                let options = CoarseOptions { coarse: Some(method), ..CoarseOptions::default() };
+                let (_, fine) = methods(&case.name).swap_remove(0);
+                let start = Instant::now();
+                let found = coarse::align(&source, &target, None, (&options, &fine), &Silent);
+                let ms = start.elapsed().as_secs_f64() * 1e3;
+                let found = found.expect("it runs");
+                let truth = case.truth * turn.inverse();
+                let pose = found.alignment.target_from_source;
+                let is_right = is_right(case, &pose, &truth, &source.points);
+                let is_ok = found.alignment.verdict == Verdict::Ok;
+                let off = off(&pose, &truth, &source.points);
+                let is_near = off < fine.max_distance.unwrap_or(0.0);
+                let place = [(is_right, "right"), (is_near, "near"), (true, "WRONG")];
+                let i = place.iter().position(|(is, _)| *is).expect("the last is");
+                counts[i][usize::from(!is_ok)] += 1;
+                slowest = slowest.max(ms);
+                sum += ms;
+                let reasons: Vec<String> =
+                    found.alignment.reasons.iter().map(ToString::to_string).collect();
+                println!(
+                    "{name:44} {:5} {off:8.1} mm {ms:7.1} ms {} from {}, fit {:.3}, {:?} {:?} {}",
+                    place[i].1,
+                    found.alignment.verdict,
+                    found.started_from,
+                    found.fit,
+                    found.planes,
+                    found.support,
+                    reasons.join("; "),
+                );
+            }
+        }
+        let n = counts.iter().flatten().sum::<u32>().max(1);
+        println!(
+            "rooms {method:?}: of {n}, [ok, not ok] right {:?}, near {:?}, wrong {:?}; {:.0} ms on the \
+             mean, {slowest:.0} at most",
+            counts[0],
+            counts[1],
+            counts[2],
+            sum / f64::from(n)
+        );
+    }
+}
+
+/// Within what the case calls right.
+fn is_right(case: &Case, pose: &Pose, truth: &Pose, source: &[Point3]) -> bool {
+    if !case.name.starts_with("gap") {
+        return off(pose, truth, source) < case.ok_below;
+    }
+    let error = truth.inverse() * pose;
+    error.translation.vector.norm() < GAP_SHIFT
+        && error.rotation.angle().to_degrees() < GAP_TURN_DEG
 }
 
 /// Pairs of bunny scans whose source was turned at random, from nothing.
@@ -127,13 +204,7 @@ fn report(
     (to, back, ms): (Alignment, Alignment, f64),
 ) {
     let off = off(&to.target_from_source, &case.truth, &source.points);
-    let is_right = if case.name.starts_with("gap") {
-        let error = case.truth.inverse() * to.target_from_source;
-        error.translation.vector.norm() < GAP_SHIFT
-            && error.rotation.angle().to_degrees() < GAP_TURN_DEG
-    } else {
-        off < case.ok_below
-    };
+    let is_right = is_right(case, &to.target_from_source, &case.truth, &source.points);
     let swapped = back.target_from_source.inverse();
     let loop_off = self::off(&swapped, &to.target_from_source, &source.points);
     let turn = swapped.rotation.angle_to(&to.target_from_source.rotation).to_degrees();

@@ -21,14 +21,20 @@ pub(super) fn align_weighted(from: &[Point3], onto: &[Point3], weights: &[f64]) 
     for ((a, b), w) in from.iter().zip(onto).zip(weights) {
         covariance += (b.coords - target) * (a.coords - middle).transpose() * *w;
     }
+    let rotation = turn(&covariance);
+    Pose::from_parts((target - rotation * middle).into(), rotation)
+}
+
+/// The turn that takes directions as near to others as can be; `covariance` is the sum of all
+/// `onto * from^T`.
+pub(super) fn turn(covariance: &Matrix3) -> UnitQuaternion<f64> {
     let svd = covariance.svd(true, true);
     let (u, v_t) = (svd.u.unwrap_or_default(), svd.v_t.unwrap_or_default());
     // The direction with the least to say is turned round rather than mirrored.
     let mut signs = Vector3::repeat(1.0);
     signs[svd.singular_values.imin()] = (u.determinant() * v_t.determinant()).signum();
     let turn = u * Matrix3::from_diagonal(&signs) * v_t;
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
-    Pose::from_parts((target - rotation * middle).into(), rotation)
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::geom::{LengthUnit, PointCloud, Pose};
 use crate::progress::Progress;
-use crate::register::coarse::{self, CoarseOptions, StartedFrom, Support};
+use crate::register::coarse::{self, CoarseOptions, PlaneSupport, StartedFrom, Support};
 use crate::register::icp::{Alignment, IcpError, IcpOptions, Settled, Verdict};
 use serde::Serialize;
 
@@ -57,6 +57,8 @@ pub struct RegisterReport {
     pub fit: f64,
     /// What speaks for the pose among places that look alike, where any were looked for.
     pub support: Option<Support>,
+    /// What speaks for the pose among planes, where any were looked for.
+    pub planes: Option<PlaneSupport>,
     /// What was settled about metric and lengths.
     pub settled: Settled,
     /// Points of source and target, one to a voxel.
@@ -110,6 +112,7 @@ pub fn register(job: RegisterJob, progress: &dyn Progress) -> Result<Registered,
         n_starts: found.n_starts,
         fit: found.fit,
         support: found.support,
+        planes: found.planes,
         settled: alignment.settled,
         n_points: alignment.n_points,
         n_inliers: alignment.n_inliers,

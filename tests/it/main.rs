@@ -39,6 +39,7 @@ mod programs;
 mod random_cases;
 mod reduce;
 mod register;
+mod register_rooms;
 mod rgbd;
 mod rough_and_finish;
 mod roughing;

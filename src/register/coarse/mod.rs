@@ -5,12 +5,13 @@
 //! refines them on few points and looks how much of the clouds then lies on each other. The best go
 //! through the fine stage, with its verdict, and what they lay on each other decides again.
 //!
+//! Where there are walls, [`planes`] laid on planes propose poses too: in rooms surroundings look
+//! alike everywhere, and there are few planes.
+//!
 //! Which side a normal points to is unknown in most scans. Neighbours' sides are made to agree; then
 //! the source is described for both sides, and both sets of pairs make proposals.
 //!
 //! A pose is doubtful also if another, quite different one is as good: a cube fits in 24 ways.
-//!
-//! Planes laid on planes are left out: they need the plane models of a later layer.
 
 mod axes;
 mod consistency;
@@ -18,25 +19,28 @@ mod fpfh;
 mod gnc;
 mod matching;
 mod options;
+mod planes;
 mod ransac;
+mod rough;
 mod support;
 mod trial;
 
 pub use options::{Coarse, CoarseOptions};
+pub use planes::PlaneSupport;
 pub use support::Support;
 
 use super::icp::{
-    self, Alignment, IcpError, IcpOptions, Reason, Role, Settled, Verdict, View, ViewOptions,
-    align_views,
+    self, Alignment, IcpError, IcpOptions, Reason, Settled, Verdict, View, align_views,
 };
-use crate::geom::{Point3, PointCloud, Pose, Vector3, orient_alike};
+use crate::geom::{PointCloud, Pose};
 use crate::progress::Progress;
-use fpfh::{Feature, flipped, fpfh};
-use matching::{Hypothesis, Matched, between, matches};
+use matching::between;
+use planes::Walls;
+use rough::Rough;
 use serde::Serialize;
 use std::fmt;
 pub(super) use trial::fit;
-use trial::{Start, Tried, distinct, tried};
+use trial::{Start, Tried, tried};
 
 /// Voxels of features along the diagonal of the smaller cloud.
 const FINENESS: f64 = 60.0;
@@ -44,16 +48,6 @@ const FINENESS: f64 = 60.0;
 const LEAST_VOXEL: f64 = 2.0;
 /// How far a feature looks [voxels].
 const RADIUS: f64 = 5.0;
-/// Pairs nearer than this agree with a pose [voxels].
-const TOLERANCE: f64 = 1.5;
-/// Neighbours a normal is taken from, and a side handed on to.
-const NEIGHBOURS: [usize; 2] = [20, 8];
-/// Places described at most.
-const MOST_FEATURES: usize = 6000;
-/// With fewer pairs, those that are alike for one side only count too.
-const FEW_MATCHES: usize = 50;
-/// Poses kept of a method before those that are nearly the same are dropped, for one that stays.
-const SPARE: usize = 8;
 /// Starts that go through the fine stage.
 const FINALISTS: usize = 3;
 /// A finalist lays this share of what the best start does on each other, at least.
@@ -73,6 +67,8 @@ pub enum StartedFrom {
     FpfhRansac,
     /// Features and graduated non-convexity.
     FpfhGnc,
+    /// Planes laid on planes.
+    Planes,
     /// The principal axes.
     Axes,
 }
@@ -90,9 +86,11 @@ pub struct Found {
     pub fit: f64,
     /// What speaks for it among the features, where there are any.
     pub support: Option<Support>,
+    /// What speaks for it among the planes, where they were looked for.
+    pub planes: Option<PlaneSupport>,
 }
 
-/// Lays `source` over `target`, beginning at `start`, or where features and axes say, or both.
+/// Lays `source` over `target`, beginning at `start`, or where features, planes and axes say, or both.
 ///
 /// A start that is given is believed if `coarse` does not say otherwise; without one, all methods are
 /// tried. The result is the same for any number of threads.
@@ -115,13 +113,7 @@ pub fn align(
     if method == Coarse::None {
         let alignment = align_views(views, &given, &settled, fine, progress)?;
         let fit = fit(views, &icp::about_centers(&alignment.target_from_source, views));
-        return Ok(Found {
-            alignment,
-            started_from: StartedFrom::Given,
-            n_starts: 1,
-            fit,
-            support: None,
-        });
+        return Ok(Found { n_starts: 1, fit, ..Found::of(alignment) });
     }
     let voxel = coarse.feature_voxel.unwrap_or_else(|| {
         let size = source.diagonal().min(target.diagonal());
@@ -134,154 +126,85 @@ pub fn align(
     } else {
         Vec::new()
     };
+    let walls = match method {
+        Coarse::Planes => Some(Walls::new(views, voxel, progress)?),
+        // On few points it shows at little cost whether there are any to speak of.
+        Coarse::Auto if Walls::new(rough.views(), voxel, progress)?.are_a_part() => {
+            Some(Walls::new(views, voxel, progress)?)
+        }
+        _ => None,
+    };
     let given = Start { pose: icp::about_centers(&given, views), from: StartedFrom::Given };
-    let starts = rough.starts(&matched, given, (method, coarse, fine.seed), progress)?;
-    let tried = tried(rough.views(), &starts, fine.seed, progress)?;
-    let finals = finals(views, &tried, (&settled, fine), progress)?;
+    // Beside other methods, only planes that fix a pose on their own.
+    let proposing = walls.as_ref().filter(|walls| method == Coarse::Planes || walls.hold());
+    let starts =
+        rough.starts((&matched, proposing), given, (method, coarse, fine.seed), progress)?;
+    let mut tried = tried(rough.views(), &starts, fine.seed, progress)?;
+    let shown = |pose: &Pose| {
+        walls.as_ref().map(|walls| PlaneSupport::of(pose, walls, 2.0 * target.radius))
+    };
+    let is_shown = |pose: &Pose| shown(pose).is_some_and(|planes| planes.is_enough());
+    // A wrong pose that lays a few great walls on others lays more of the clouds on each other than the
+    // right one does where these share little; but the other planes do not agree with it.
+    tried.sort_by_cached_key(|tried| !is_shown(&tried.pose));
+    let finals = finals(views, &tried, (&settled, fine), &is_shown, progress)?;
     let Some((best, others)) = finals.split_first() else {
-        return Ok(nothing(align_views(views, &Pose::identity(), &settled, fine, progress)?));
+        let alignment = align_views(views, &Pose::identity(), &settled, fine, progress)?;
+        return Ok(Found::nothing(alignment, walls.as_ref()));
     };
     let support = matched
         .iter()
         .map(|matched| Support::of(&best.pose, matched, &rough.targets))
         .max_by_key(|support| support.n_agreeing);
-    let mut alignment = best.alignment.clone();
-    let is_far = |other: &&Final| {
-        between(&other.pose, &best.pose, source.radius) > DIFFERENT * source.radius
+    let mut found = Found {
+        alignment: best.alignment.clone(),
+        started_from: best.from,
+        n_starts: starts.len(),
+        fit: best.fit,
+        support,
+        planes: shown(&best.pose),
     };
-    let rival = others.iter().filter(is_far).find(|other| other.fit >= RIVAL * best.fit);
-    if let Some(rival) = rival {
-        let turn = rival.pose.rotation.angle_to(&best.pose.rotation);
-        alignment
-            .object(Reason::Ambiguous { turn_deg: turn.to_degrees(), fits: [best.fit, rival.fit] });
-    }
-    let is_proposed = matches!(best.from, StartedFrom::FpfhRansac | StartedFrom::FpfhGnc);
-    if let Some(support) = support.filter(|support| is_proposed && !support.is_enough()) {
-        let Support { n_matches, n_agreeing, by_chance } = support;
-        alignment.object(Reason::Unsupported { n_matches, n_agreeing, by_chance });
-    }
-    Ok(Found { alignment, started_from: best.from, n_starts: starts.len(), fit: best.fit, support })
+    found.object(best.rival(others, source.radius));
+    Ok(found)
 }
 
-/// Both clouds on few points, about the centroids of the finer ones.
-struct Rough {
-    source: View,
-    target: View,
-    /// Over the places that features of the target are at.
-    targets: crate::geom::KdTree,
-}
-
-impl Rough {
-    fn new(
-        [source, target]: [&View; 2],
-        voxel: f64,
-        progress: &dyn Progress,
-    ) -> Result<Self, IcpError> {
-        let options = ViewOptions {
-            voxel,
-            neighbours: NEIGHBOURS[0],
-            with_colours: false,
-            with_borders: false,
-            camera: None,
-        };
-        let rough = |view: &View, role| {
-            let normals = view.is_oriented.then(|| view.normals.clone());
-            let cloud = PointCloud { points: view.points.clone(), normals, colors: None };
-            View::new(&cloud, role, options, progress)
-        };
-        let (source, target) =
-            rayon::join(|| rough(source, Role::Source), || rough(target, Role::Target));
-        let (source, target) = (source?, target?);
-        let targets = crate::geom::KdTree::build(&places(&target));
-        Ok(Self { source, target, targets })
+impl Found {
+    /// What an alignment from where the caller had it says.
+    fn of(alignment: Alignment) -> Self {
+        let started_from = StartedFrom::Given;
+        Self { alignment, started_from, n_starts: 0, fit: 0.0, support: None, planes: None }
     }
 
-    fn views(&self) -> [&View; 2] {
-        [&self.source, &self.target]
+    /// No method had anything to propose.
+    fn nothing(mut alignment: Alignment, walls: Option<&Walls>) -> Self {
+        let few = |walls: &Walls| Reason::NoPlanes { n_planes: walls.n_planes() };
+        alignment.object(walls.map_or(Reason::NoStart, few));
+        Self::of(alignment)
     }
 
-    /// Places that look alike: once for each side that the source's normals may point to.
-    fn matched(&self, radius: f64, progress: &dyn Progress) -> Result<Vec<Matched>, IcpError> {
-        let (source, target) = rayon::join(
-            || described(&self.source, radius, progress),
-            || described(&self.target, radius, progress),
-        );
-        let (source, target) = (source?, target?);
-        let (from, onto) = (places(&self.source), places(&self.target));
-        let voxel = self.source.voxel;
-        let of = |source: &[Feature]| {
-            let pairs = matches(source, &target, FEW_MATCHES);
-            Matched {
-                from: pairs.iter().map(|[i, _]| from[*i as usize]).collect(),
-                onto: pairs.iter().map(|[_, j]| onto[*j as usize]).collect(),
-                tolerance: TOLERANCE * voxel,
-                apart: radius,
+    /// Says what speaks against a pose that was found: another that is as good, and chance.
+    fn object(&mut self, rival: Option<&Final>) {
+        if let Some(rival) = rival {
+            let turn = self.alignment.target_from_source.rotation;
+            let turn = rival.alignment.target_from_source.rotation.angle_to(&turn);
+            let fits = [self.fit, rival.fit];
+            self.alignment.object(Reason::Ambiguous { turn_deg: turn.to_degrees(), fits });
+        }
+        let is_alike = self.support.is_some_and(|support| support.is_enough());
+        let is_shown = self.planes.is_some_and(|planes| planes.is_enough());
+        match (self.started_from, self.support, self.planes) {
+            (StartedFrom::FpfhRansac | StartedFrom::FpfhGnc, Some(support), _) if !is_alike => {
+                let Support { n_matches, n_agreeing, by_chance } = support;
+                self.alignment.object(Reason::Unsupported { n_matches, n_agreeing, by_chance });
             }
-        };
-        if self.source.is_oriented && self.target.is_oriented {
-            return Ok(vec![of(&source)]);
-        }
-        let inside_out: Vec<Feature> = source.iter().map(flipped).collect();
-        Ok(vec![of(&source), of(&inside_out)])
-    }
-
-    /// All poses to begin with, each once.
-    fn starts(
-        &self,
-        matched: &[Matched],
-        given: Start,
-        (method, options, seed): (Coarse, &CoarseOptions, u64),
-        progress: &dyn Progress,
-    ) -> Result<Vec<Start>, IcpError> {
-        let radius = self.source.radius;
-        let n_spare = options.hypotheses * SPARE;
-        let mut starts = Vec::new();
-        if method == Coarse::Auto {
-            starts.push(given);
-        }
-        let mut propose = |from, of: &dyn Fn(&Matched) -> Vec<Hypothesis>| {
-            let mut all: Vec<Hypothesis> = matched.iter().flat_map(of).collect();
-            all.sort_by(|a, b| b.score.total_cmp(&a.score));
-            let all = all.into_iter().map(|hypothesis| Start { pose: hypothesis.pose, from });
-            let kept = distinct(all, radius, self.source.voxel);
-            starts.extend(kept.into_iter().take(options.hypotheses));
-            progress.advance(0)
-        };
-        if matches!(method, Coarse::FpfhGnc | Coarse::Auto) {
-            propose(StartedFrom::FpfhGnc, &|matched| gnc::gnc(matched, options.hypotheses))?;
-        }
-        if matches!(method, Coarse::FpfhRansac | Coarse::Auto) {
-            propose(StartedFrom::FpfhRansac, &|matched| {
-                ransac::ransac(matched, options.draws, seed, n_spare)
-            })?;
-        }
-        if matches!(method, Coarse::Axes | Coarse::Auto) {
-            let poses = axes::axes(&places(&self.source), &places(&self.target));
-            starts.extend(poses.map(|pose| Start { pose, from: StartedFrom::Axes }));
-        }
-        Ok(distinct(starts, radius, self.source.voxel))
-    }
-}
-
-/// Where the places of a rough view are, about the centroid of the finer one.
-fn places(view: &View) -> Vec<Point3> {
-    view.points.iter().map(|point| point + view.center.coords).collect()
-}
-
-/// The features of a view's points; of very many, of some, the others empty.
-fn described(view: &View, radius: f64, progress: &dyn Progress) -> Result<Vec<Feature>, IcpError> {
-    let mut normals: Vec<Vector3> = view.normals.clone();
-    if !view.is_oriented {
-        orient_alike(&view.points, &mut normals, &view.tree, NEIGHBOURS[1], progress)?;
-    }
-    let mut features = fpfh(&view.points, &normals, &view.tree, radius, progress)?;
-    let stride = features.len().div_ceil(MOST_FEATURES).max(1);
-    for (i, feature) in features.iter_mut().enumerate() {
-        if i % stride != 0 {
-            *feature = [0.0; fpfh::WIDTH];
+            (StartedFrom::Planes, _, Some(planes)) if !is_alike && !is_shown => {
+                let PlaneSupport { n_planes, n_agreeing, by_chance } = planes;
+                let reason = Reason::UnsupportedPlanes { n_planes, n_agreeing, by_chance };
+                self.alignment.object(reason);
+            }
+            _ => {}
         }
     }
-    Ok(features)
 }
 
 /// A start after the fine stage.
@@ -291,10 +214,24 @@ struct Final {
     pose: Pose,
     from: StartedFrom,
     fit: f64,
+    /// True if planes speak for it.
+    is_shown: bool,
+}
+
+impl Final {
+    /// One of `others` that is as good, but lays points of a cloud of this size far elsewhere.
+    fn rival<'a>(&self, others: &'a [Self], radius: f64) -> Option<&'a Self> {
+        others.iter().find(|other| {
+            between(&other.pose, &self.pose, radius) > DIFFERENT * radius
+                && other.is_shown >= self.is_shown
+                && other.fit >= RIVAL * self.fit
+        })
+    }
 }
 
 /// The best starts through the fine stage, the best first: one that has not failed before one that
-/// has, and then what lays more of the clouds on each other.
+/// has, one that planes show before one that they do not, and then what lays more of the clouds on each
+/// other.
 ///
 /// The verdict alone would not do: it says whether a pose may be believed, not which of two is the
 /// better, and a wrong one may be easier to believe than the right one.
@@ -302,6 +239,7 @@ fn finals(
     views: [&View; 2],
     tried: &[Tried],
     (settled, fine): (&Settled, &IcpOptions),
+    is_shown: &dyn Fn(&Pose) -> bool,
     progress: &dyn Progress,
 ) -> Result<Vec<Final>, IcpError> {
     let best = tried.first().map_or(0.0, |tried| tried.fit);
@@ -314,19 +252,15 @@ fn finals(
         let alignment = align_views(views, &start, settled, fine, progress)?;
         let pose = icp::about_centers(&alignment.target_from_source, views);
         let fit = fit(views, &pose);
-        finals.push(Final { alignment, pose, from: tried.start.from, fit });
+        let is_shown = is_shown(&pose);
+        finals.push(Final { alignment, pose, from: tried.start.from, fit, is_shown });
     }
     finals.sort_by(|a, b| {
         let has_failed = |one: &Final| one.alignment.verdict == Verdict::Failed;
-        has_failed(a).cmp(&has_failed(b)).then(b.fit.total_cmp(&a.fit))
+        let first = has_failed(a).cmp(&has_failed(b)).then(b.is_shown.cmp(&a.is_shown));
+        first.then(b.fit.total_cmp(&a.fit))
     });
     Ok(finals)
-}
-
-/// No method had anything to propose.
-fn nothing(mut alignment: Alignment) -> Found {
-    alignment.object(Reason::NoStart);
-    Found { alignment, started_from: StartedFrom::Given, n_starts: 0, fit: 0.0, support: None }
 }
 
 impl fmt::Display for StartedFrom {
@@ -335,6 +269,7 @@ impl fmt::Display for StartedFrom {
             Self::Given => "given",
             Self::FpfhRansac => "fpfh-ransac",
             Self::FpfhGnc => "fpfh-gnc",
+            Self::Planes => "planes",
             Self::Axes => "axes",
         })
     }

@@ -36,6 +36,8 @@ pub enum Coarse {
     /// Surroundings that look alike, consistent groups of them, and graduated non-convexity. Yang et
     /// al. (2020).
     FpfhGnc,
+    /// Planes laid on planes: for rooms, fixtures and boxes. After Pathak et al. (2010).
+    Planes,
     /// The principal axes: for scans that show the body all around.
     Axes,
     /// From where the files have it, and by all others; what lies best on each other wins.

@@ -1,7 +1,7 @@
 //! Bodies found wherever they are, and bodies that no pose can be told of.
 
 use super::*;
-use crate::geom::{Aabb, shapes};
+use crate::geom::{Aabb, Point3, Vector3, shapes};
 use crate::progress::Silent;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -87,15 +87,31 @@ pub enum Reason {
         /// How many it would if partners were drawn at random.
         by_chance: f64,
     },
+    /// Too few planes to lay on each other.
+    NoPlanes {
+        /// Of the source and of the target.
+        n_planes: [usize; 2],
+    },
+    /// Planes agree with the pose no better than chance, but for those that made it.
+    UnsupportedPlanes {
+        /// Planes of the source and of the target.
+        n_planes: [usize; 2],
+        /// Those that the pose lays on each other.
+        n_agreeing: usize,
+        /// How many it would at any shift.
+        by_chance: f64,
+    },
 }
 
 impl Reason {
     /// How much it speaks against the pose.
     pub fn verdict(&self) -> Verdict {
         match self {
-            Self::OutOfReach { .. } | Self::Starved | Self::Free(_) | Self::NoStart => {
-                Verdict::Failed
-            }
+            Self::OutOfReach { .. }
+            | Self::Starved
+            | Self::Free(_)
+            | Self::NoStart
+            | Self::NoPlanes { .. } => Verdict::Failed,
             Self::LittleOverlap { overlap: [source, target] }
                 if source.max(*target) < LITTLE_OVERLAP =>
             {
@@ -180,6 +196,17 @@ impl fmt::Display for Reason {
                 f,
                 "chance explains it: of {n_matches} pairs of places that look alike it lays {n_agreeing} \
                  on each other, where {by_chance:.0} would be by chance"
+            ),
+            Self::NoPlanes { n_planes: [source, target] } => write!(
+                f,
+                "no start was found: it takes two planes of either cloud that are not parallel, and the \
+                 source has {source} planes, the target {target}; scan more walls, choose a smaller \
+                 --voxel or another --coarse, or say where to begin (--init)"
+            ),
+            Self::UnsupportedPlanes { n_planes: [source, target], n_agreeing, by_chance } => write!(
+                f,
+                "chance explains it: of {source} and {target} planes it lays {n_agreeing} on each other; \
+                 three can always be, and {by_chance:.1} would be by chance"
             ),
         }
     }

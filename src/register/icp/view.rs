@@ -24,7 +24,7 @@ pub struct View {
     /// True if the normals point to the side that the given ones did.
     pub(in crate::register) is_oriented: bool,
     /// How far neighbours lie off their plane, the median of all points [mm].
-    pub(super) roughness: f64,
+    pub(in crate::register) roughness: f64,
     /// The side of the voxels [mm].
     pub(in crate::register) voxel: f64,
     /// Root mean square distance from the centroid [mm].

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 /// Find the motion that lays one scan over another, and say whether it may be believed.
 ///
 /// With --init it refines the pose given there. Else it looks for one by itself: from where the files
-/// have it, by surroundings that look alike, and by the principal axes; what lies best on each other
-/// wins. --coarse chooses one way.
+/// have it, by surroundings that look alike, by planes laid on planes, and by the principal axes; what
+/// lies best on each other wins. --coarse chooses one way.
 ///
 /// More than two scans, in any order, are laid over each other all at once: every two are tried, those
 /// that fit the others are kept, and what they are off is shared by all. The last one stays where it is.
@@ -31,6 +31,7 @@ For example:
   horma register back.ply front.ply -o front_from_back.txt
   horma register scan.pcd model.stl --init rough.txt --voxel 0.5 --max-distance 10 --write-cloud both.ply
   horma register scan.ply last.stl --coarse axes -o last_from_scan.txt
+  horma register table2.pcd table1.pcd --coarse planes -o table1_from_table2.txt
   horma register a.ply b.ply --fine point-to-plane --kernel tukey --bi-unique --json
   horma register views/*.ply -o poses.txt --write-cloud part.ply"
 )]
@@ -179,7 +180,11 @@ fn start(report: &RegisterReport) -> String {
         let (n, all, chance) = (support.n_agreeing, support.n_matches, support.by_chance);
         format!("; {n} of {all} places that look alike agree ({chance:.0} by chance)")
     });
-    format!("{:<9}{}, of {} tried{alike}", "start", report.started_from, report.n_starts)
+    let flat = report.planes.map_or_else(String::new, |planes| {
+        let ([source, target], n) = (planes.n_planes, planes.n_agreeing);
+        format!("; {n} of {source} and {target} planes agree ({:.1} by chance)", planes.by_chance)
+    });
+    format!("{:<9}{}, of {} tried{alike}{flat}", "start", report.started_from, report.n_starts)
 }
 
 fn summary(report: &RegisterReport, is_searched: bool) -> String {
