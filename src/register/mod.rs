@@ -5,7 +5,7 @@
 //! a camera by all that its frames show, [`odometry`] from frame to frame by one method or another;
 //! [`turntable`] by how its part turns. [`loops`] finds where it came back to, and [`pose_graph`] what
 //! that says of all its way; [`views`] lays many scans over each other at once, [`tsdf`] makes many frames
-//! one surface. [`align`] is the closed form for paired points.
+//! one surface, and [`pose_delay`] tells how late their stamps are. [`align`] is the closed form for paired points.
 
 mod align;
 pub mod coarse;
@@ -16,6 +16,7 @@ pub mod icp;
 pub mod loops;
 pub mod odometry;
 mod odometry_error;
+pub mod pose_delay;
 pub mod pose_graph;
 pub mod ransac;
 mod small_motion;

@@ -199,6 +199,44 @@ fn a_scan_by_a_model_is_a_mesh() {
     refused(&turned, 65, "give --method kinfu too");
 }
 
+/// A camera that swings to and fro, in the format of TUM's trajectories; its clock is `early`.
+fn swinging(early: f64) -> String {
+    let line = |i: i32| {
+        let stamp = f64::from(i) / 30.0;
+        let half = 0.1 * (std::f64::consts::TAU * stamp / 0.9).sin();
+        // A turn about the vertical after one that lays the picture upright.
+        let (turn, upright) = (half.sin_cos(), std::f64::consts::FRAC_1_SQRT_2);
+        let [x, y, z, w] = [-turn.1, -turn.0, turn.0, turn.1].map(|c| c * upright);
+        format!("{:.6} 0 -1.5 0 {x:.9} {y:.9} {z:.9} {w:.9}\n", stamp - early)
+    };
+    (0..40).map(line).collect()
+}
+
+#[test]
+fn how_late_stamps_are_is_found_by_the_poses() {
+    let bench = Bench::new();
+    let [way, late, walk, mesh] =
+        ["way.txt", "late.txt", "walk", "part.ply"].map(|n| bench.name(n));
+    std::fs::write(&way, swinging(0.0)).unwrap();
+    std::fs::write(&late, swinging(0.03)).unwrap();
+    let camera = bench.name("camera.toml");
+    let scene = ["simulate-scan", "--scene", "textured-structured", "--along", &way];
+    done(&[&scene[..], &["--camera", &camera, "-o", &walk]].concat());
+    let fuse = ["fuse", &walk, "--voxel", "20", "-o", &mesh, "--find-pose-delay"];
+    refused(&fuse, 65, "--find-pose-delay is for the stamps of");
+    refused(&[&fuse[..], &["--pose-delay", "0.1"]].concat(), 2, "cannot be used with");
+    let told = done(&[&fuse[..], &["--poses", &late, "--json"]].concat()).stdout;
+    let report: serde_json::Value = serde_json::from_slice(&told).unwrap();
+    let delay = &report["pose-delay"];
+    let found = delay["seconds"].as_f64().unwrap();
+    assert!((found - 0.03).abs() < 0.003, "{delay}");
+    let apart = [0, 1].map(|i| delay["apart"][i].as_f64().unwrap());
+    assert!(apart[1] < 0.5 * apart[0], "{delay}");
+    let told = done(&[&fuse[..], &["--poses", &late, "--force"]].concat()).stdout;
+    let told = String::from_utf8(told).unwrap();
+    assert!(told.contains("before the stamps"), "{told}");
+}
+
 #[test]
 fn inputs_that_cannot_be_fused_are_refused_and_nothing_is_written() {
     let bench = Bench::new();

@@ -79,10 +79,17 @@ pub fn open_sequence(folder: &Path, camera: Option<DepthCamera>) -> Result<Seque
 impl Sequence {
     /// The frames, each read when it is asked for.
     pub fn frames(&self) -> impl ExactSizeIterator<Item = Result<RgbdFrame, SequenceError>> + '_ {
-        self.files.iter().enumerate().map(|(i, files)| {
-            let problem = |error: ReadError| SequenceError { number: i + 1, problem: error.into() };
-            self.read(files).map_err(problem)
-        })
+        (0..self.files.len()).map(|i| self.frame(i))
+    }
+
+    /// The frame at a place, counted from 0.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many.
+    pub fn frame(&self, i: usize) -> Result<RgbdFrame, SequenceError> {
+        let problem = |error: ReadError| SequenceError { number: i + 1, problem: error.into() };
+        self.read(&self.files[i]).map_err(problem)
     }
 
     /// One frame; its pictures must be as large as the camera's.

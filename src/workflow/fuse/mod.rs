@@ -1,12 +1,14 @@
 //! From the frames of a depth camera to one surface, and the camera's way.
 
 mod computing;
+mod delay;
 mod frames;
 mod fusion;
 mod kept_out;
 mod options;
 mod report;
 
+pub use delay::find_pose_delay;
 pub use frames::FusedFrame;
 pub use kept_out::KeptOutReport;
 pub use options::FuseOptions;
@@ -152,6 +154,7 @@ where
         n_fused: trajectory.poses().len(),
         tracked: fusion.tracker.is_some(),
         turntable: None,
+        pose_delay: None,
         turns: Vec::new(),
         skipped: fusion.skipped,
         frames,

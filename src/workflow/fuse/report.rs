@@ -2,6 +2,7 @@
 
 use super::{FusedFrame, KeptOutReport};
 use crate::geom::{TriMesh, topology};
+use crate::register::pose_delay::PoseDelay;
 use crate::workflow::cam::ComputeReport;
 use crate::workflow::evaluate::EvaluationReport;
 use crate::workflow::turns::TurnReport;
@@ -21,6 +22,9 @@ pub struct FuseReport {
     /// The turntable that the part stood on, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable: Option<TurntableReport>,
+    /// How late stamps are, if it was looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose_delay: Option<PoseDelay>,
     /// The turns of the part, if it was turned several times.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub turns: Vec<TurnReport>,

@@ -14,6 +14,7 @@ pub(super) fn run(args: &ScanArgs, shell: &Shell) -> anyhow::Result<()> {
         report: args.report.clone(),
         truth_poses: false,
         poses: None,
+        find_pose_delay: false,
         turntable: args.turntable.clone(),
         camera: args.camera.clone(),
         force: args.force,

@@ -188,6 +188,16 @@ fn facts(report: &FuseReport) -> Vec<(String, String)> {
         ("Pieces".into(), mesh.n_pieces.to_string()),
         ("Smaller pieces dropped".into(), report.n_small_pieces.to_string()),
     ];
+    if let Some(delay) = &report.pose_delay {
+        let [at_stamps, at_delay] = delay.apart;
+        facts.push((
+            "Stamps are late by".into(),
+            format!(
+                "{:.4} s: frames lie {at_delay:.2} mm apart instead of {at_stamps:.2} mm",
+                delay.seconds
+            ),
+        ));
+    }
     if let Some(table) = &report.turntable {
         let [axis, through] = [(table.axis, 4), (table.through, 1)]
             .map(|(numbers, digits)| numbers.map(|number| format!("{number:.digits$}")).join(", "));

@@ -15,8 +15,9 @@ use horma::io::rgbd::{
 };
 use horma::io::{OutputSet, Overwrite};
 use horma::progress::Progress;
+use horma::register::pose_delay::PoseDelay;
 use horma::register::turntable::{Calibration, Turntable};
-use horma::workflow::fuse::{FuseJob, FuseOptions, Fused, Placing, fuse};
+use horma::workflow::fuse::{FuseJob, FuseOptions, Fused, Placing, find_pose_delay, fuse};
 use horma::workflow::turntable::turntable_report;
 use std::path::{Path, PathBuf};
 use summary::summary;
@@ -43,7 +44,7 @@ For example:
   horma fuse scan --turntable calibrate --write-turntable table.toml --voxel 2 -o part.stl
   horma fuse next --turntable table.toml --voxel 2 -o next.stl
   horma fuse standing lying --turntable calibrate --voxel 2 -o part.stl --report part.html
-  horma fuse desk --poses poses.txt --keep-out 5 -o desk.ply --json"
+  horma fuse desk --poses poses.txt --find-pose-delay --keep-out 5 -o desk.ply --json"
 )]
 pub(crate) struct FuseArgs {
     /// The folder with the frames; with --turntable a folder for each turn of the part.
@@ -64,6 +65,10 @@ pub(crate) struct FuseArgs {
     /// Place frames by this trajectory, in the TUM format.
     #[arg(long, value_name = "FILE")]
     pub(super) poses: Option<PathBuf>,
+    /// Find how late stamps are, by laying frames on each other by the given poses for one delay after the
+    /// other: where the clock of the poses is another one.
+    #[arg(long, conflicts_with = "pose_delay")]
+    pub(super) find_pose_delay: bool,
     #[command(flatten)]
     pub(super) turntable: TurntableArgs,
     /// The camera: kinect, freiburg1, or a camera.toml [default: that of the folder, else kinect].
@@ -119,6 +124,11 @@ impl FuseArgs {
         progress: &dyn Progress,
     ) -> anyhow::Result<(Fused, Option<Calibration>)> {
         let (placing, turntable) = self.placing(sequence, progress)?;
+        let delay = self.pose_delay(sequence, &placing, progress)?;
+        let mut options = self.options.clone();
+        if let Some(found) = &delay {
+            options.pose_delay = found.seconds;
+        }
         let job = FuseJob {
             frames: sequence.frames(),
             stamps: stamps(sequence),
@@ -126,11 +136,31 @@ impl FuseArgs {
             placing,
             truth: sequence.truth.as_ref(),
             notes: sequence.notes.clone(),
-            options: &self.options,
+            options: &options,
         };
         let mut done = fuse(job, progress)?;
+        done.report.pose_delay = delay;
         done.report.turntable = turntable.as_ref().map(turntable_report);
         Ok((done, turntable))
+    }
+
+    /// How late stamps are, if that is to be looked for.
+    fn pose_delay(
+        &self,
+        sequence: &Sequence,
+        placing: &Placing,
+        progress: &dyn Progress,
+    ) -> anyhow::Result<Option<PoseDelay>> {
+        let along = match placing {
+            _ if !self.find_pose_delay => return Ok(None),
+            Placing::Along(along) => along,
+            Placing::Tracked => bail!(
+                "--find-pose-delay is for the stamps of --poses and --truth-poses: give one, or leave it out"
+            ),
+        };
+        let read = |i: usize| sequence.frame(i);
+        let seen = (&stamps(sequence)[..], &sequence.camera.camera);
+        Ok(Some(find_pose_delay(read, seen, along, &self.options, progress)?))
     }
 
     /// What is fused, in words.
@@ -173,8 +203,11 @@ impl FuseArgs {
         if self.turntable.is_asked() && (self.truth_poses || self.poses.is_some()) {
             bail!("--turntable says where frames were taken: leave --poses and --truth-poses out");
         }
-        if self.turntable.is_asked() && self.options.pose_delay != 0.0 {
-            bail!("--pose-delay is for the stamps of --poses and --truth-poses: leave it out");
+        if self.turntable.is_asked() && (self.options.pose_delay != 0.0 || self.find_pose_delay) {
+            bail!(
+                "--pose-delay and --find-pose-delay are for the stamps of --poses and --truth-poses: leave \
+                 them out"
+            );
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! A fusion in words.
 
+use horma::register::pose_delay::PoseDelay;
 use horma::workflow::fuse::FuseReport;
 use horma::workflow::turns::TurnReport;
 
@@ -12,6 +13,7 @@ pub(super) fn summary(report: &FuseReport) -> String {
     let placed = if report.tracked { "placed by tracking" } else { "placed as given" };
     let mut lines =
         vec![line("frames", format!("{} of {} fused, {placed}", report.n_fused, report.n_frames))];
+    lines.extend(report.pose_delay.as_ref().map(|delay| line("delay", late(delay))));
     if let Some(table) = &report.turntable {
         let [x, y, z] = table.axis;
         let [u, v, w] = table.through;
@@ -78,6 +80,20 @@ pub(super) fn summary(report: &FuseReport) -> String {
     }
     lines.extend(report.notes.iter().map(|note| line("note", note.clone())));
     lines.join("\n")
+}
+
+fn late(delay: &PoseDelay) -> String {
+    let ([at_stamps, then], n) = (delay.apart, delay.n_pairs);
+    if delay.seconds == 0.0 {
+        return format!(
+            "none: frames lie nearest at their stamps, {then:.2} mm apart, by {n} pairs"
+        );
+    }
+    let taken = if delay.seconds < 0.0 { "after" } else { "before" };
+    let seconds = delay.seconds.abs();
+    format!(
+        "taken {seconds:.4} s {taken} the stamps: {then:.2} mm apart instead of {at_stamps:.2}, by {n} pairs"
+    )
 }
 
 fn in_words(turn: &TurnReport) -> String {
