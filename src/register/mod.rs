@@ -26,7 +26,7 @@ pub mod turntable;
 pub mod views;
 
 pub use align::align;
-pub use free_space::{FreeSpace, Seen, align_seen};
+pub use free_space::{FreeSpace, Seen, align_seen, heed_free_space};
 pub use odometry_error::{
     AbsoluteError, Delta, OdometryError, OdometryErrorOptions, RelativeError, RelativeErrors,
     TruthAt, Unmatched, odometry_error,

@@ -12,6 +12,7 @@
 mod associate;
 mod camera;
 mod error;
+mod exposure;
 pub mod filter;
 mod frame;
 mod image;
@@ -25,6 +26,7 @@ mod trajectory;
 pub use associate::associate;
 pub use camera::{Camera, Distortion};
 pub use error::{RgbdError, SequenceError};
+pub use exposure::Exposure;
 pub use frame::RgbdFrame;
 pub use image::{Image, grey};
 pub use normals::NormalOptions;

@@ -4,6 +4,8 @@ use crate::geom::{LengthUnit, PointCloud, Pose};
 use crate::progress::Progress;
 use crate::register::coarse::{self, CoarseOptions, PlaneSupport, StartedFrom, Support};
 use crate::register::icp::{Alignment, IcpError, IcpOptions, Settled, Verdict};
+use crate::register::{FreeSpace, Seen, heed_free_space};
+use crate::rgbd::Exposure;
 use serde::Serialize;
 
 /// What is to be registered.
@@ -13,6 +15,8 @@ pub struct RegisterJob<'a> {
     pub source: &'a PointCloud,
     /// The scan that stays.
     pub target: &'a PointCloud,
+    /// The frames that source and target are of, where depth cameras saw them.
+    pub seen: Option<[&'a Exposure; 2]>,
     /// Where the source starts, if somebody knows.
     pub target_from_source: Option<Pose>,
     /// The unit the report gives the matrix in.
@@ -59,6 +63,8 @@ pub struct RegisterReport {
     pub support: Option<Support>,
     /// What speaks for the pose among planes, where any were looked for.
     pub planes: Option<PlaneSupport>,
+    /// How the pose goes together with what both cameras looked through, where there were cameras.
+    pub free_space: Option<FreeSpace>,
     /// What was settled about metric and lengths.
     pub settled: Settled,
     /// Points of source and target, one to a voxel.
@@ -94,7 +100,9 @@ pub fn register(job: RegisterJob, progress: &dyn Progress) -> Result<Registered,
     let start = job.target_from_source;
     let options = (job.coarse, job.options);
     let found = coarse::align(job.source, job.target, start.as_ref(), options, progress)?;
-    let alignment = found.alignment;
+    let mut alignment = found.alignment;
+    let heed = |seen: [&Exposure; 2]| heed_free_space(&mut alignment, seen.map(Seen::from));
+    let free_space = job.seen.map(heed).transpose()?;
     let start = start.unwrap_or_else(Pose::identity);
     let pose = alignment.target_from_source;
     let mut matrix = pose.to_homogeneous();
@@ -113,6 +121,7 @@ pub fn register(job: RegisterJob, progress: &dyn Progress) -> Result<Registered,
         fit: found.fit,
         support: found.support,
         planes: found.planes,
+        free_space,
         settled: alignment.settled,
         n_points: alignment.n_points,
         n_inliers: alignment.n_inliers,

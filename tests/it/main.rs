@@ -40,6 +40,7 @@ mod random_cases;
 mod reduce;
 mod register;
 mod register_rooms;
+mod register_views;
 mod rgbd;
 mod rough_and_finish;
 mod roughing;

@@ -1,10 +1,10 @@
 //! Views: clouds as one look of a scanner gave them, rows and columns kept.
 
-use crate::geom::{LengthUnit, Point3, PointCloud, UnitSource, Vector3};
+use crate::geom::{LengthUnit, Point3, PointCloud, Surface, UnitSource, Vector3};
 use crate::io::fault::{Fault, Place, ReadError};
 use crate::io::format::Format;
 use crate::io::raw::{RawGrid, checked};
-use crate::io::read::{read_raw, unit_of};
+use crate::io::read::{Reading, read_raw, settle, unit_of};
 use crate::rgbd::OrganisedCloud;
 use std::path::Path;
 
@@ -35,6 +35,28 @@ impl View {
 /// `range_grid`), anything else that holds points as one row. Lengths are in `unit` if it is given.
 pub fn read_view(path: &Path, unit: Option<LengthUnit>) -> Result<View, ReadError> {
     read(path, unit).map_err(|fault| ReadError { path: path.into(), fault })
+}
+
+/// Reads what [`read_surface`](crate::io::read_surface) does, and the same in its rows and columns where
+/// the file has any.
+pub fn read_scan(
+    path: &Path,
+    unit: Option<LengthUnit>,
+) -> Result<(Reading, Option<OrganisedCloud>), ReadError> {
+    both(path, unit).map_err(|fault| ReadError { path: path.into(), fault })
+}
+
+fn both(path: &Path, unit: Option<LengthUnit>) -> Result<(Reading, Option<OrganisedCloud>), Fault> {
+    let (raw, format) = read_raw(path)?;
+    let mut organised = match (&raw.grid, &raw.surface) {
+        (Some(grid), Surface::Points(cloud)) if grid.height > 1 => Some(in_grid(cloud, grid)?),
+        _ => None,
+    };
+    let reading = settle(raw, format, unit)?;
+    for point in organised.iter_mut().flat_map(|cloud| cloud.points.pixels_mut()) {
+        *point *= reading.unit.in_mm();
+    }
+    Ok((reading, organised))
 }
 
 fn read(path: &Path, stated: Option<LengthUnit>) -> Result<View, Fault> {

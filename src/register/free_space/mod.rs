@@ -8,10 +8,10 @@
 
 mod seen;
 
-pub use seen::align_seen;
+pub use seen::{align_seen, heed_free_space};
 
-use crate::geom::{Point3, Pose};
-use crate::rgbd::{Camera, Image, RgbdError, RgbdFrame};
+use crate::geom::{Point3, Pose, Vector3};
+use crate::rgbd::{Camera, Exposure, Image, RgbdError, RgbdFrame};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -27,6 +27,31 @@ pub struct Seen<'a> {
     pub camera: &'a Camera,
     /// What it saw.
     pub frame: &'a RgbdFrame,
+}
+
+impl<'a> From<&'a Exposure> for Seen<'a> {
+    fn from(exposure: &'a Exposure) -> Self {
+        Self { camera: &exposure.camera, frame: &exposure.frame }
+    }
+}
+
+impl Seen<'_> {
+    /// How far readings are from their middle, root mean square [mm].
+    fn spread(&self) -> f64 {
+        let depth = &self.frame.depth;
+        let step = sparse(depth);
+        let (mut n, mut sum, mut squares) = (0.0, Vector3::zeros(), 0.0);
+        for y in (0..depth.height()).step_by(step) {
+            for (x, z) in depth.row(y).iter().enumerate().step_by(step) {
+                if *z > 0.0 {
+                    let place = self.camera.unproject([x as f64, y as f64], (*z).into()).coords;
+                    (n, sum, squares) = (n + 1.0, sum + place, squares + place.norm_squared());
+                }
+            }
+        }
+        let n = f64::max(n, 1.0);
+        (squares / n - (sum / n).norm_squared()).max(0.0).sqrt()
+    }
 }
 
 /// How two views go together with what each has seen to be free.
@@ -83,10 +108,15 @@ impl Limits {
     }
 }
 
+/// Every how many pixels of every how many rows are looked at.
+fn sparse(depth: &Image<f32>) -> usize {
+    (depth.pixels().len() as f64 / LOOKED_AT as f64).sqrt().ceil().max(1.0) as usize
+}
+
 /// How many readings of `moved` agree with what `still` has seen, and how many contradict.
 fn looked(moved: Seen, still: Seen, still_from_moved: &Pose, limits: Limits) -> (usize, usize) {
     let depth = &moved.frame.depth;
-    let step = (depth.pixels().len() as f64 / LOOKED_AT as f64).sqrt().ceil().max(1.0) as usize;
+    let step = sparse(depth);
     let rows: Vec<usize> = (0..depth.height()).step_by(step).collect();
     let of_row = |&y: &usize| {
         let (mut agreeing, mut against) = (0, 0);

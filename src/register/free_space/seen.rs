@@ -7,6 +7,7 @@ use crate::register::icp::{
     Alignment, FreeMotion, IcpError, IcpOptions, MotionKind, Reason, Role, Settled, align_views,
     view,
 };
+use crate::rgbd::RgbdError;
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 
 /// Above this share of contradicting readings a pose is doubtful.
@@ -42,11 +43,21 @@ pub fn align_seen(
     let (here, there) = (here?, there?);
     let mut alignment =
         align_views([&here, &there], target_from_source, &settled, options, progress)?;
-    let margin = MARGIN * settled.voxel;
+    let found = heed_free_space(&mut alignment, [source, target])?;
+    Ok((alignment, found))
+}
+
+/// Looks at the pose of `alignment` between two frames by what both cameras looked through, and changes
+/// its verdict: see [`align_seen`].
+pub fn heed_free_space(
+    alignment: &mut Alignment,
+    [source, target]: [Seen; 2],
+) -> Result<FreeSpace, RgbdError> {
+    let margin = MARGIN * alignment.settled.voxel;
     let look = |pose: &Pose| FreeSpace::of([source, target], pose, margin, NOISE);
     let found = look(&alignment.target_from_source)?;
     let share = found.share();
-    let lever = here.radius;
+    let lever = source.spread();
     let mut held = Vec::new();
     for (i, reason) in alignment.reasons.iter().enumerate() {
         if let Reason::Weak { motions, open } = reason {
@@ -66,7 +77,7 @@ pub fn align_seen(
     if share > SOME {
         alignment.object(Reason::SeenThrough { share });
     }
-    Ok((alignment, found))
+    Ok(found)
 }
 
 /// A motion of which points `lever` from its axis go `way`.

@@ -8,9 +8,11 @@ use crate::bar::Bar;
 use anyhow::{Context, bail};
 use clap::Args;
 use horma::geom::{LengthUnit, PointCloud, Surface};
-use horma::io::{self, OutputSet, Overwrite, Reading, pose_text, read_pose};
+use horma::io::rgbd::read_scan;
+use horma::io::{OutputSet, Overwrite, Reading, pose_text, read_pose};
 use horma::register::coarse::{Coarse, CoarseOptions};
 use horma::register::icp::{IcpOptions, Verdict};
+use horma::rgbd::Exposure;
 use horma::workflow::register::{RegisterJob, RegisterReport, Registered, merged, register};
 use std::path::{Path, PathBuf};
 
@@ -19,6 +21,9 @@ use std::path::{Path, PathBuf};
 /// With --init it refines the pose given there. Else it looks for one by itself: from where the files
 /// have it, by surroundings that look alike, by planes laid on planes, and by the principal axes; what
 /// lies best on each other wins. --coarse chooses one way.
+///
+/// Where both are views of depth cameras that keep their rows and columns (PCD, PLY with a range grid), in
+/// the camera's own frame, the verdict also heeds what either camera has looked through.
 ///
 /// More than two scans, in any order, are laid over each other all at once: every two are tried, those
 /// that fit the others are kept, and what they are off is shared by all. The last one stays where it is.
@@ -73,10 +78,15 @@ pub(crate) fn run(args: &RegisterArgs, shell: &Shell) -> anyhow::Result<()> {
     if !args.more.is_empty() {
         return views::run(args, shell);
     }
-    let source = io::read_surface(&args.source, args.units)?;
-    let target = io::read_surface(&args.target, args.units)?;
+    let (source, source_view) = read_scan(&args.source, args.units)?;
+    let (target, target_view) = read_scan(&args.target, args.units)?;
     let unit = target.unit;
     let notes = notes(args, &source, &target);
+    let exposures = [source_view, target_view].map(|view| Exposure::of(&view?));
+    let seen = match &exposures {
+        [Some(source), Some(target)] => Some([source, target]),
+        _ => None,
+    };
     let start = match &args.init {
         Some(path) => Some(read_pose(path, unit)?),
         None => None,
@@ -86,6 +96,7 @@ pub(crate) fn run(args: &RegisterArgs, shell: &Shell) -> anyhow::Result<()> {
     let job = RegisterJob {
         source: &source,
         target: &target,
+        seen,
         target_from_source: start,
         unit,
         notes,
@@ -210,6 +221,13 @@ fn summary(report: &RegisterReport, is_searched: bool) -> String {
         "{:<9}{source:.0} % of the source, {target:.0} % of the target, within {:.3} mm",
         "overlap", settled.final_distance
     ));
+    lines.extend(report.free_space.as_ref().map(|space| {
+        let percent = 100.0 * space.share();
+        format!(
+            "{:<9}{percent:.1} % of what one camera sees hangs where the other looked through",
+            "seen"
+        )
+    }));
     lines.push(format!(
         "{:<9}rms {:.4} mm in the metric, {:.4} mm from point to point; {} inliers",
         "fit", report.rms, report.point_rms, report.n_inliers
