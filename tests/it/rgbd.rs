@@ -2,7 +2,7 @@
 
 use crate::parts::real;
 use horma::geom::Point3;
-use horma::io::rgbd::{DepthCamera, open_sequence, read_view};
+use horma::io::rgbd::{DepthCamera, open_sequence, read_scan};
 use horma::rgbd::filter::{BilateralOptions, OutlierOptions, bilateral, drop_outliers};
 use horma::rgbd::{Camera, NormalOptions};
 use std::fs;
@@ -264,13 +264,13 @@ fn filters_make_a_real_frame_smoother_and_keep_most_of_it() {
 #[test]
 fn real_views_keep_their_rows_and_columns() {
     let Some(path) = real("scans/pcl_pairwise/capture0001.pcd") else { return };
-    let view = read_view(&path, None).unwrap();
-    let size = (view.cloud.points.width(), view.cloud.points.height());
+    let view = read_scan(&path, None).unwrap().1.unwrap();
+    let size = (view.points.width(), view.points.height());
     assert_eq!(size, (640, 480));
     // A Kinect's cloud in its own frame: its points lie on the rays of its pixels.
     let camera = Camera::KINECT;
     let off = |(x, y): (usize, usize)| {
-        let [u, v] = camera.project(view.cloud.point(x, y)?)?;
+        let [u, v] = camera.project(view.point(x, y)?)?;
         Some((u - x as f64).hypot(v - y as f64))
     };
     let pixels = (0..480).step_by(7).flat_map(|y| (0..640).step_by(7).map(move |x| (x, y)));
@@ -278,12 +278,12 @@ fn real_views_keep_their_rows_and_columns() {
     assert!(offs.len() > 2000 && offs.iter().all(|off| *off < 2.0), "{}", offs.len());
 
     let Some(path) = real("scans/stanford_bunny/bun000.ply") else { return };
-    let view = read_view(&path, None).unwrap();
-    assert_eq!((view.cloud.points.width(), view.cloud.points.height()), (512, 400));
-    assert_eq!(view.cloud.n_points(), 40_256);
+    let view = read_scan(&path, None).unwrap().1.unwrap();
+    assert_eq!((view.points.width(), view.points.height()), (512, 400));
+    assert_eq!(view.n_points(), 40_256);
     // Neighbours in the picture are neighbours in space.
-    let near = (1..512)
-        .filter_map(|x| Some((view.cloud.point(x, 200)? - view.cloud.point(x - 1, 200)?).norm()));
+    let near =
+        (1..512).filter_map(|x| Some((view.point(x, 200)? - view.point(x - 1, 200)?).norm()));
     let mut steps: Vec<f64> = near.collect();
     steps.sort_by(f64::total_cmp);
     assert!(steps.len() > 50 && steps[steps.len() / 2] < 1.5, "{} {:?}", steps.len(), steps.last());

@@ -20,4 +20,4 @@ pub use scan_folder::ScanFolder;
 pub use sequence::{FrameFiles, Sequence, open_sequence};
 pub use trajectory::{read_trajectory, trajectory_text, write_trajectory};
 pub use turntable::{read_turntable, turntable_text};
-pub use view::{View, read_scan, read_view};
+pub use view::read_scan;
